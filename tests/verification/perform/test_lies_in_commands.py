@@ -12,11 +12,13 @@ from tests.lacore.models import punch
 from tests.lacore.paths.path_billets import billet
 from tests.lying_backends import LIES, Undescribed, Untidy, register
 from verification import conformance
+from verification.case.bracketing import BRACKET, PROVEN
 from verification.commands import cli
 from verification.fuzz.programs.drawn import draw_program
 from verification.fuzz.programs.judge import RIGHT, WRONG
 from verification.fuzz.programs.sweep import rows_of
 from verification.store.results import load_results
+from verification.verdicts.bracket import STRICT
 from verification.verdicts.words import FAIL, PASS, SKIPPED
 
 SOME = (
@@ -25,7 +27,9 @@ SOME = (
 )
 """One of each kind that answers wrongly."""
 CASE = "shear-patch:sliding"
+BRACKETED = "prandtl-punch:smooth"
 EXACT = 2 + np.pi
+"""Load factor of `BRACKETED`, and of the punch that is bracketed without a command."""
 HARMLESS = {
     "Talks": "its output is discarded, and its answers are right",
     "ChangesTheInterpreter": "only its own process is changed, and its answers are right",
@@ -73,6 +77,24 @@ def test_a_command_passes_no_lie_and_honest_backends_do_not_notice(folder, words
     assert set(together[together.backend == "UnavailableRaises"].verdict) == {SKIPPED}
     threads = together[together.backend == "LeavesThreads"]
     assert set(threads.load_factor.dropna()) == set(honest.load_factor.dropna())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOME)
+def test_a_bracket_of_verify_passes_no_lie(folder, name):
+    """A bound that is proven is right whoever found it; what is not proven fails with the name."""
+    words = ("verify", BRACKETED, "--time-limit", "30")
+    _, found = rows(folder, f"bracket-{name}", *words, backends=[name])
+    (row,) = found[found.coupling == BRACKET].to_dict("records")
+    exact = row["reference"]
+    assert exact == pytest.approx(EXACT)
+    assert not row["lower"] > exact * (1 + PROVEN)
+    assert not row["upper"] < exact * (1 - PROVEN)
+    if row["verdict"] != PASS:
+        assert row["verdict"] == FAIL
+        assert name in row["message"] or row["rigor"] == STRICT, row["message"]
+    else:
+        assert row["rigor"] == STRICT
 
 
 def bracketed(name):
