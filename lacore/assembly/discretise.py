@@ -11,6 +11,7 @@ from lacore.arrays import Floats
 from lacore.assembly.bonds import joined_parts, ties
 from lacore.assembly.contact_checks import movable_points, shared_corners
 from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.held_loads import moved_to_holders, require_stated_side
 from lacore.assembly.holding import held_by
 from lacore.assembly.loading import load_vector, require_load, require_power
 from lacore.assembly.natural import natural_scales, with_speeds_of_crushing
@@ -27,6 +28,7 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.face_jumps import face_jumps
 from lacore.bodies.continuum.solid.holding import slid_past
 from lacore.bodies.continuum.solid.memory import require_memory, velocity_memory
+from lacore.conditions.loads import Load
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
 from lacore.contact.touching import Touching
@@ -94,6 +96,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     contact, points = contact_of(interfaces, problem.touching, unknowns)
     slipping = slips(problem, continua, footings, unknowns.node_dofs.size)
     tied = ties(problem, continua)
+    require_stated_side(problem, unknowns, interfaces, tied)
     held = held_by(problem, unknowns, slipping, tied)
     jumping = {
         part.group.name.removesuffix(": jumps"): part
@@ -109,6 +112,11 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         )
     )
     strained = {name: own.groups(name, n) for name, own in dofs.items()}
+
+    def forces(loads: Sequence[Load]) -> Floats:
+        stated = load_vector(acting(problem, loads), dofs, continua, unknowns.footings, n)
+        return stated + moved_to_holders(loads, problem, unknowns, slipping)
+
     full = KinematicProgram(
         groups=(
             *(group for name in continua for group in strained.pop(name)),
@@ -117,11 +125,8 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
             *(group for groups in strained.values() for group in groups),
         ),
         contact=contact,
-        reference_load=load_vector(
-            acting(problem, problem.reference_loads), dofs, continua, unknowns.footings, n
-        ),
-        dead_load=held_in_members(unknowns)
-        + load_vector(acting(problem, problem.dead_loads), dofs, continua, unknowns.footings, n),
+        reference_load=forces(problem.reference_loads),
+        dead_load=held_in_members(unknowns) + forces(problem.dead_loads),
         parts=joined_parts(unknowns.parts, problem, dofs),
     )
     basis = with_speeds_of_crushing(held.basis, unknowns, full.dead_load)

@@ -137,6 +137,33 @@ def _standing(load: StandingWater, dofs: "BodyDofs") -> Floats:
     return _power(dofs, basis, -along * np.asarray(basis.normals))
 
 
+@singledispatch
+def force_along(load: Load, dofs: "BodyDofs", facets: Ints, directions: Floats) -> Floats:
+    """Nodal forces of the components of a load on some facets, shape (count,), N/m.
+
+    Only tractions and pressures on boundaries have any.
+
+    Args:
+        load: Of the body.
+        dofs: Of the body.
+        facets: Of its boundary, shape (e,).
+        directions: Of the components, orthonormal or zero, shape (k, d, e).
+    """
+    return np.zeros(dofs.count)
+
+
+@force_along.register(Traction)
+@force_along.register(Pressure)
+def _along(load: Traction | Pressure, dofs: "BodyDofs", facets: Ints, directions: Floats) -> Floats:
+    loaded, own, _ = np.intersect1d(facets, facets_of(load, dofs.body), return_indices=True)
+    if not loaded.size:
+        return np.zeros(dofs.count)
+    basis = _facet_basis(dofs, loaded)
+    held = directions[:, :, own]
+    part = np.einsum("kde,deq->keq", held, load.on(np.asarray(basis.normals)))
+    return _power(dofs, basis, np.einsum("kde,keq->deq", held, part))
+
+
 def _linear(basis: AbstractBasis) -> AbstractBasis:
     """For values at vertices, at the points of a basis."""
     known = {RefTri: ElementTriP1(), RefQuad: ElementQuad1(), RefTet: ElementTetP1()}
