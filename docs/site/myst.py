@@ -8,7 +8,6 @@ from itertools import count
 
 from verification.report.blocks import (
     Block,
-    Column,
     Columns,
     Details,
     Drawing,
@@ -21,6 +20,7 @@ from verification.report.blocks import (
     Text,
 )
 from verification.report.charts.svg import inline
+from verification.report.columns import Column
 from verification.report.files import markdown
 
 _SPECIAL = re.compile(r"([\\*_\[\]<>|~$#{}])")

@@ -15,9 +15,10 @@ from verification.analysis import costs, performance_profile, shifted_geometric_
 from verification.analysis.profiles import Costs
 from verification.case.bracketing import BRACKET
 from verification.fuzz.programs.judge import BAR
-from verification.report.blocks import Block, Column, Drawing, Heading, Table, Text
+from verification.report.blocks import Block, Drawing, Heading, Table, Text
 from verification.report.charts import axes
 from verification.report.charts.axes import Axis
+from verification.report.columns import Column
 from verification.report.page import results_frame
 from verification.verdicts.words import SKIPPED
 

@@ -18,7 +18,6 @@ from verification.problems.tables import in_units
 from verification.problems.words import friction, loads_told, worth
 from verification.report.blocks import (
     Block,
-    Column,
     Details,
     Document,
     Facts,
@@ -33,6 +32,7 @@ from verification.report.blocks import (
     Text,
 )
 from verification.report.charts.figures import png
+from verification.report.columns import Column
 from verification.report.files import INDEX
 
 _DPI = 110

@@ -14,8 +14,9 @@ from lacore.status import Rigor
 from verification.analysis import fit_slope
 from verification.case.bracketing import BRACKET
 from verification.evidence.bracket import Shares, unpacked_shares
-from verification.report.blocks import Column, Drawing, Table
+from verification.report.blocks import Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted
+from verification.report.columns import Column
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row

@@ -17,10 +17,11 @@ from verification.catalogue.checks import said
 from verification.evidence.limit_state import restored
 from verification.evidence.path import last_shape
 from verification.perform.pool import answers
-from verification.report.blocks import Picture, Text, slug
+from verification.report.blocks import Picture, Text
 from verification.report.bracket import drawn_bracket, mesh_of, stored_shares
 from verification.report.charts.figures import finest_exact, png
 from verification.report.charts.theme import freeze
+from verification.report.columns import slug
 from verification.runs.outcome import Outcome
 from verification.verdicts.words import FAIL
 

@@ -3,7 +3,8 @@
 import pandas as pd
 
 import lacore as la
-from verification.report.blocks import Column, Table
+from verification.report.blocks import Table
+from verification.report.columns import Column
 from verification.report.tables import (
     CERTIFICATE,
     HOW,

@@ -10,7 +10,6 @@ import pandas as pd
 from verification.case import KINDS, Case, Variant
 from verification.report.blocks import (
     Block,
-    Column,
     Document,
     Facts,
     Gallery,
@@ -22,6 +21,7 @@ from verification.report.blocks import (
     Table,
     Text,
 )
+from verification.report.columns import Column
 from verification.report.description import counted, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files

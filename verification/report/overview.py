@@ -9,7 +9,8 @@ import pandas as pd
 from verification.analysis.summary import VariantSummary, summaries
 from verification.case import Case
 from verification.case.bracketing import BRACKET
-from verification.report.blocks import Card, Cards, Column, Filters, Page, Picture, Table
+from verification.report.blocks import Card, Cards, Filters, Page, Picture, Table
+from verification.report.columns import Column
 from verification.report.description import lead
 from verification.report.drawing import Drawn, Subject, thumbnail_of
 from verification.report.tables import CERTIFICATE, VERDICTS

@@ -15,7 +15,6 @@ from verification.case.bracketing import BRACKET
 from verification.report import document
 from verification.report.blocks import (
     Block,
-    Column,
     Count,
     Details,
     Document,
@@ -37,6 +36,7 @@ from verification.report.blocks import (
 )
 from verification.report.bracket import brackets_table, widths_chart
 from verification.report.charts.figures import sweep_chart
+from verification.report.columns import Column
 from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files

@@ -8,10 +8,11 @@ import pandas as pd
 
 from lacore.paths.control import unit_of
 from verification.case import Case
-from verification.report.blocks import Column, Drawing, Table
+from verification.report.blocks import Drawing, Table
 from verification.report.charts.axes import figure_axes, labelled, legend
 from verification.report.charts.svg import Chart, Tip
 from verification.report.charts.theme import INK, MARKERS, SERIES, styled
+from verification.report.columns import Column
 from verification.report.tables import RUN, VERDICTS
 from verification.runs.outcome import Outcome
 from verification.verdicts.path import exact_loads

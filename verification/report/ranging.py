@@ -8,7 +8,8 @@ import pandas as pd
 
 from verification.case import Case, Variant
 from verification.case.beside import RANGE
-from verification.report.blocks import Block, Column, Table
+from verification.report.blocks import Block, Table
+from verification.report.columns import Column
 from verification.report.tables import CERTIFICATE, HOW, RUN, VERDICTS, with_certificates
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row

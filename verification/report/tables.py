@@ -4,7 +4,8 @@ from collections.abc import Collection, Mapping
 
 import pandas as pd
 
-from verification.report.blocks import Anchor, Block, Column, Table, Text
+from verification.report.blocks import Block, Table, Text
+from verification.report.columns import Anchor, Column
 from verification.runs.commands import INSTANCES
 
 VERDICTS: Mapping[str, str] = {"pass": "good", "FAIL": "bad"}

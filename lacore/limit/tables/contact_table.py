@@ -1,13 +1,12 @@
 """Contact points of a state as a table, and back."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from lacore.arrays import Floats
-from lacore.assembly.contact_sides import contact_sides
+from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
 from lacore.contact.rows import ContactPoints, tangents
 from lacore.errors import InputError
@@ -15,6 +14,7 @@ from lacore.program import ContactRows
 from lacore.state import ProgramState
 
 _MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
+OBSTACLE = "obstacle"
 _SIZE = {2: "length", 3: "area"}
 
 Table = pd.DataFrame | Mapping[str, ArrayLike]
@@ -123,3 +123,42 @@ def _along(where: ContactPoints, parts: Floats, name: str) -> dict[str, Floats]:
     along = tangents(where.normal)
     vector = sum(own[:, None] * axis for own, axis in zip(parts.T, along, strict=True))
     return _named(np.asarray(vector), f"{name}_")
+
+
+def contact_sides(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:
+    """Names of slaves and of masters at all contact points, (m,) each.
+
+    Of assemblies that of the block, of other bodies their own; "obstacle" where there is no body.
+    """
+    interface = discretisation.full.contact.interface
+    moving = discretisation.points.moving
+    sides = np.full(moving.shape, OBSTACLE, dtype=object)
+    for number, pair in enumerate(_bodies_of_pairs(discretisation)):
+        points = np.flatnonzero(interface == number)
+        for column, body in enumerate(pair):
+            if body is not None:
+                sides[points, column] = _names_of(discretisation, body, moving[points, column])
+    first = len(discretisation.problem.interfaces)
+    for dofs in discretisation.jointed.values():
+        joints = dofs.body.joints
+        names = np.array(dofs.body.names, dtype=object)
+        points = np.flatnonzero((interface >= first) & (interface < first + joints.count))
+        joint = interface[points] - first
+        sides[points] = np.stack([names[joints.slave[joint]], names[joints.master[joint]]], axis=1)
+        first += joints.count
+    return sides[:, 0], sides[:, 1]
+
+
+def _bodies_of_pairs(discretisation: Discretisation) -> Iterator[tuple[str, str | None]]:
+    """Names of the bodies of interfaces, those of a path first; None: an obstacle."""
+    for slave, *master in discretisation.points.met:
+        yield slave, next(iter(master), None)
+    for interface in discretisation.problem.interfaces:
+        slave, *master = (name for name, _ in interface.sides)
+        yield slave, next(iter(master), None)
+
+
+def _names_of(discretisation: Discretisation, body: str, moving: Ints) -> np.ndarray:
+    if body not in discretisation.jointed:
+        return np.full(moving.size, body, dtype=object)
+    return np.array(discretisation.jointed[body].body.names, dtype=object)[moving]

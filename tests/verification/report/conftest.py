@@ -5,7 +5,8 @@ import pytest
 
 from tests.verification.command_line import lacore
 from verification.report import files
-from verification.report.blocks import Column, Document, Report, Section, Table
+from verification.report.blocks import Document, Report, Section, Table
+from verification.report.columns import Column
 
 
 @pytest.fixture(scope="session")

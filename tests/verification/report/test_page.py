@@ -13,8 +13,6 @@ from lacore import InputError
 from verification.analysis import Slope
 from verification.report import document, files
 from verification.report.blocks import (
-    Anchor,
-    Column,
     Details,
     Document,
     Drawing,
@@ -23,12 +21,12 @@ from verification.report.blocks import (
     Report,
     Section,
     Table,
-    slug,
 )
 from verification.report.charts import axes
 from verification.report.charts.axes import ERROR, FACTOR, Axis
 from verification.report.charts.svg import Chart, Tip, inline
 from verification.report.charts.theme import VARIABLES
+from verification.report.columns import Anchor, Column, slug
 
 SWEEP = pd.DataFrame(
     [

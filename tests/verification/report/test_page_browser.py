@@ -11,10 +11,8 @@ from tests.verification.report.browser import WIDTHS
 from tests.verification.report.test_page import FITS, SWEEP, R
 from verification.catalogue.catalogue import find
 from verification.report.blocks import (
-    Anchor,
     Card,
     Cards,
-    Column,
     Count,
     Details,
     Document,
@@ -33,11 +31,11 @@ from verification.report.blocks import (
     Table,
     Tally,
     Text,
-    slug,
 )
 from verification.report.charts import axes
 from verification.report.charts.axes import ERROR
 from verification.report.charts.figures import png
+from verification.report.columns import Anchor, Column, slug
 from verification.report.description import description, lead
 from verification.report.limit_state import results_table
 from verification.report.tables import certificates_table, reasons_table

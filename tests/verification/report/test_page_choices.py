@@ -7,7 +7,6 @@ from tests.verification.report.browser import WIDTHS
 from verification.report.blocks import (
     Card,
     Cards,
-    Column,
     Details,
     Document,
     Filters,
@@ -16,6 +15,7 @@ from verification.report.blocks import (
     Table,
     Text,
 )
+from verification.report.columns import Column
 
 
 def chosen(page):

@@ -11,17 +11,9 @@ from matplotlib.figure import Figure
 
 from tests.verification.report.test_page import HOSTILE, TABLE, fitted
 from verification.report import files
-from verification.report.blocks import (
-    Column,
-    Document,
-    Drawing,
-    Gallery,
-    Picture,
-    Report,
-    Section,
-    Table,
-)
+from verification.report.blocks import Document, Drawing, Gallery, Picture, Report, Section, Table
 from verification.report.charts.figures import png
+from verification.report.columns import Column
 from verification.report.files import case_files, markdown, pictures
 from verification.store.manifest import MANIFEST
 

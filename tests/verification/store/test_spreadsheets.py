@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from verification.report.blocks import Column, Table
+from verification.report.blocks import Table
+from verification.report.columns import Column
 from verification.report.files import markdown
 from verification.store.results import export
 from verification.store.spreadsheets import as_text, as_written, quoted, unquoted

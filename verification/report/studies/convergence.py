@@ -13,20 +13,12 @@ from verification.analysis import (
 )
 from verification.analysis.columns import groups, problem_columns, solver_columns
 from verification.analysis.stepping import STEPS
-from verification.report.blocks import (
-    Block,
-    Column,
-    Details,
-    Drawing,
-    Gallery,
-    Section,
-    Table,
-    Text,
-)
+from verification.report.blocks import Block, Details, Drawing, Gallery, Section, Table, Text
 from verification.report.charts import axes
 from verification.report.charts.axes import Axis
 from verification.report.charts.lines import LINE, with_lines
 from verification.report.charts.svg import Chart
+from verification.report.columns import Column
 
 _ERRORS = {"error_alpha_reg": "α* − α_reg", "error_lambda": "α* − λ"}
 _PARAMETERS = {

@@ -7,7 +7,6 @@ import pandas as pd
 from verification.analysis.history import SHIFT, History
 from verification.report.blocks import (
     Block,
-    Column,
     Document,
     Drawing,
     Filters,
@@ -19,6 +18,7 @@ from verification.report.blocks import (
 )
 from verification.report.charts.axes import Axis
 from verification.report.charts.versions import by_version
+from verification.report.columns import Column
 from verification.report.files import INDEX
 from verification.report.tables import VERDICTS
 from verification.store.versions import Version

@@ -7,7 +7,8 @@ import pandas as pd
 
 from verification.analysis.noise import LEAST, Noise, noise, rankings
 from verification.analysis.settings import settings
-from verification.report.blocks import Block, Column, Details, Section, Table, Text
+from verification.report.blocks import Block, Details, Section, Table, Text
+from verification.report.columns import Column
 from verification.runs.run import Run
 from verification.verdicts.limit_state import FINDS_NONE
 from verification.verdicts.words import SKIPPED

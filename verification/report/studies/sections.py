@@ -8,7 +8,8 @@ import pandas as pd
 from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
 from verification.analysis.settings import with_settings
-from verification.report.blocks import Block, Column, Details, Section, Table, Text
+from verification.report.blocks import Block, Details, Section, Table, Text
+from verification.report.columns import Column
 from verification.report.studies.convergence import (
     refinement_section,
     regularisation_section,

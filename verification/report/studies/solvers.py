@@ -22,9 +22,7 @@ from verification.analysis.noise import noise
 from verification.analysis.profiles import Costs
 from verification.analysis.sizes import RESIDUAL_SHIFT, RESIDUALS, UNKNOWNS
 from verification.report.blocks import (
-    Anchor,
     Block,
-    Column,
     Columns,
     Details,
     Drawing,
@@ -34,6 +32,7 @@ from verification.report.blocks import (
     Text,
 )
 from verification.report.charts import axes
+from verification.report.columns import Anchor, Column
 from verification.report.tables import RUN
 
 _DATA_PROFILE = (
