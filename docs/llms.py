@@ -146,6 +146,7 @@ TABLES = {
     "Loads, `[[reference_loads]]` and `[[dead_loads]]`": "load",
     'Meshes, `[bodies.NAME.mesh]`; also `{ file = "mesh.msh" }`': "shape",
     "Materials, `[bodies.NAME.material]`, or one such table per region": "criterion",
+    "Tools of a path, `[tools.NAME]`": "tool",
     "Travel of a path, `[path.control]`": "measure",
 }
 """Tables of a problem file that have several forms, and the key that selects one."""

@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import shapely
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.dofs import RigidDofs
@@ -21,9 +22,11 @@ from lacore.errors import InputError
 from lacore.files.solids import write_solids
 from lacore.limit.state import LimitState
 from lacore.paths.path import Path, Snapshot
+from lacore.paths.stage import Stage
 from lacore.program import DissipationGroup
 
 SERIES = "path.pvd"
+_AROUND = 0.25  # of the size of the bodies: how far away outlines of tools end
 _CELLS = {
     2: {3: "triangle", 4: "quad", 6: "triangle6", 9: "quad9"},
     3: {4: "tetra", 10: "tetra10"},
@@ -148,7 +151,8 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
     at that strain; of criteria with a law of hardening), `dissipation` (W/m^3: yield stress times
     strain rate; not of soils whose flow is not associated, as it depends on their stresses); and
     `body`, its number in the problem. Rigid blocks are polygons, with their displacement from the
-    beginning of the path, and NaN for all that they do not have.
+    beginning of the path, and NaN for all that they do not have. Tools and obstacles are lines,
+    their outlines near the bodies; those that do not move have the number -1.
 
     Returns:
         the PVD file, to be opened.
@@ -227,11 +231,33 @@ def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
             fields["dissipation"] = _dissipation(name, dofs, velocity)
         at_cells = {key: element_means(dofs, values) for key, values in fields.items()}
         yield _continuum(dofs, numbers[name], at_points, at_cells)
-    for name in stage.rigid:
-        yield from _tool(path, snapshot, name, numbers[name])
+    for name in stage.drawn:
+        yield from _block(path, snapshot, name, numbers[name])
+    yield from _faces(stage, snapshot, numbers)
 
 
-def _tool(path: Path, snapshot: Snapshot, name: str, number: int) -> Iterator[_Part]:
+def _faces(stage: Stage, snapshot: Snapshot, numbers: Mapping[str, int]) -> Iterator[_Part]:
+    """Outlines of tools and obstacles in a box around the bodies, each once."""
+    nodes = [
+        at.nodes[name] for at in (stage.start, snapshot.configuration) for name in stage.bodies
+    ]
+    every = np.concatenate(nodes, axis=1)
+    low, high = every.min(axis=1), every.max(axis=1)
+    margin = _AROUND * float(np.linalg.norm(high - low))
+    low, high = low - margin, high + margin
+    obstacles = stage.obstacles_at(snapshot.configuration)
+    for own in {one.carrier or repr(one.shape): one for one in obstacles}.values():
+        face = shapely.LineString(own.shape.outline(low, high).T)
+        number = -1 if own.carrier is None else numbers[own.carrier]
+        for piece in shapely.get_parts(shapely.intersection(face, shapely.box(*low, *high))):
+            points = shapely.get_coordinates(piece).T
+            at = np.arange(points.shape[1])
+            cells = np.stack([at[:-1], at[1:]], axis=1)
+            if len(cells):
+                yield _Part("line", cells, points, {}, {"body": np.full(len(cells), number)})
+
+
+def _block(path: Path, snapshot: Snapshot, name: str, number: int) -> Iterator[_Part]:
     """A rigid block, where it is; its pose is the only node that it has."""
     stage = path.stage
     block, before = (stage.blocks_at(at)[name] for at in (snapshot.configuration, stage.start))

@@ -47,8 +47,12 @@ def lines(stated: Stated, found: Followed) -> dict[str, str]:
     told = {"path": f"{_reached(path, units)}, {_in_words(path.message, units)}"}
     if len(rows):
         loads, overlap = rows["load_factor"], rows["overlap"].max()
-        told["load factor"] = (
-            f"{loads.iloc[0]:.6g} to {loads.iloc[-1]:.6g}, certified in each step, but not a bound"
+        name, size, label = "load factor", 1.0, ""
+        if not stated.problem.reference_loads:  # tools drive the path: it is their force
+            name, size, label = "force", units.size(_force(path)), f" {units.label(_force(path))}"
+        told[name] = (
+            f"{loads.iloc[0] / size:.6g} to {loads.iloc[-1] / size:.6g}{label}, certified in each"
+            " step, but not a bound"
         )
         told["residual"] = (
             f"gap {rows['gap'].max():.1e}, overlap of bodies {units.told(overlap, 'm', digits=2)}"
@@ -82,10 +86,10 @@ def _in_words(message: str, units: Units) -> str:
     return units.rewritten(in_words_of_files(message))
 
 
-def history_in(path: la.Path, units: Units) -> tuple[pd.DataFrame, dict[str, str]]:
-    """The main columns of a history in some units, and their heads with these."""
-    whole = any(body.axisymmetric for body in path.stage.bodies.values())
-    kinds = {"travel": "m", "force": "N" if whole else "N/m"} if path.unit == "m" else {}
+def history_in(stated: Stated, path: la.Path) -> tuple[pd.DataFrame, dict[str, str]]:
+    """The main columns of a history in the units of the file, and their heads with these."""
+    units = stated.units
+    kinds = {"travel": "m", "force": _force(path)} if path.unit == "m" else {}
     table, heads = path.history[["step", *_SHOWN]].copy(), {"step": "step"}
     for name in _SHOWN:
         unit = {"overlap": "m", **kinds}.get(name, path.unit if name == "travel" else "")
@@ -93,13 +97,20 @@ def history_in(path: la.Path, units: Units) -> tuple[pd.DataFrame, dict[str, str
         head = name.replace("_", " ").replace("max ", "largest ")
         heads[name] = f"{head} [{units.label(unit)}]" if unit else head
     if path.unit != "m":  # a force needs a length that it acts along
-        table, heads = table.drop(columns="force"), {n: h for n, h in heads.items() if n != "force"}
+        del table["force"], heads["force"]
+    if not stated.problem.reference_loads:  # tools drive the path: the load factor is their force
+        del table["load_factor"], heads["load_factor"]
     return table, heads
+
+
+def _force(path: la.Path) -> str:
+    """The unit of the force of a control."""
+    return "N" if any(body.axisymmetric for body in path.stage.bodies.values()) else "N/m"
 
 
 def history_text(stated: Stated, path: la.Path) -> str:
     """Return the history as a short table of text; of a long one, evenly distributed rows."""
-    table, heads = history_in(path, stated.units)
+    table, heads = history_in(stated, path)
     if table.empty:
         return ""
     table = table.drop(columns="overlap")
@@ -153,7 +164,7 @@ def _pictures(path: la.Path) -> Iterator[Block]:
 def _tables(stated: Stated, path: la.Path) -> Iterator[Block]:
     if path.history.empty:
         return
-    table, heads = history_in(path, stated.units)
+    table, heads = history_in(stated, path)
     yield table_of(table, "Steps", heads)
     if len(path.events):
         count = f"Events: {len(path.events)}"
@@ -183,7 +194,7 @@ def as_python(stated: Stated, found: Followed, folder: Path) -> str:
 def document(stated: Stated, found: Followed, page: Path | None) -> dict[str, Any]:
     """All numbers of a path, and where its files are; a history in the units of the file."""
     path, units = found.path, stated.units
-    table, _ = history_in(path, units)
+    table, _ = history_in(stated, path)
     return {
         "title": stated.title,
         "file": str(stated.source.file),

@@ -14,7 +14,7 @@ from lacore.files.problem.source import Source, has
 from lacore.files.problem.units import Amount
 from lacore.showing import counted
 
-TAGS = ("kind", "shape", "criterion", "law", "load", "measure")
+TAGS = ("kind", "shape", "criterion", "law", "load", "measure", "tool")
 """Keys whose values tell the kinds of tables."""
 _LIST = ("not a list", "write it as [ ... ]")
 _TABLE = ("not a table", "write it as [table] or { key = value }")

@@ -13,6 +13,7 @@ from lacore.conditions import footings, loads, water
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.within import Along, Beyond, Within
+from lacore.contact import shapes
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import RigidObstacle
 from lacore.materials import hardening
@@ -30,8 +31,10 @@ from lacore.meshes.reading import read
 from lacore.meshes.structured import quadrilaterals, quarter_ring, rectangle
 from lacore.paths.control import FootingTravel, PointTravel, Time, ToolTravel
 from lacore.paths.pace import AdaptiveSteps
+from lacore.paths.renewal.mesher import Remeshing
 from lacore.paths.selection import LeastNorm
 from lacore.paths.sequential import sequential
+from lacore.paths.tools.tool import Tool
 from lacore.problem.problem import Problem
 
 MAKERS: Mapping[str, Callable[..., Any]] = {
@@ -101,6 +104,12 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.Time": Time,
     "la.AdaptiveSteps": AdaptiveSteps,
     "la.LeastNorm": LeastNorm,
+    "la.Remeshing": Remeshing,
+    "la.Tool": Tool,
+    "la.shapes.wedge": shapes.wedge,
+    "la.shapes.disc": shapes.disc,
+    "la.shapes.plane": shapes.plane,
+    "la.shapes.outline": shapes.outline,
     "la.sequential": sequential,
 }
 NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}

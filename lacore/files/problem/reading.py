@@ -92,6 +92,8 @@ class Stated:
         if self.program.path is not None:
             if path[0] in ("backend", "coupling"):
                 return ("solve", *path)
+            if path[0] == "tools":
+                return path
             if path[0] == "control" or path[0] in self.program.path.arguments:
                 return ("path", *listed(self.program.path, path, self.things))
             if str(path[0]).endswith("Travel"):
@@ -140,7 +142,7 @@ def stated_by(source: Source) -> Stated:
         raise source.error(misfit.at, error.value, error.why, error.fix) from error
     title = stated.title or source.file.stem
     cases: dict[str, list[int]] = {}
-    nodes = program.call.arguments["reference_loads"]
+    nodes = program.call.arguments.get("reference_loads", [])
     for place in range(len(problem.reference_loads)):
         case = stated.reference_loads[entry(nodes, place, things)].case
         if case is not None:

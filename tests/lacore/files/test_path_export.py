@@ -88,20 +88,22 @@ def test_series(tmp_path, made, kind):
     dofs = numbered(path.stage.bodies, BodyDofs.at)["billet"]
     for own, snapshot in zip(sets, path.snapshots, strict=True):
         mesh = meshio.read(file.parent / own.get("file"))
-        (cells,) = mesh.cells
-        assert cells.type == kind
+        cells, platen = mesh.cells
+        assert (cells.type, platen.type) == (kind, "line")
         np.testing.assert_array_equal(cells.data.T, dofs.element_nodes)
         nodes = snapshot.configuration.nodes["billet"]
-        np.testing.assert_array_equal(mesh.points[:, :2].T, nodes)
+        own_nodes = slice(nodes.shape[1])
+        np.testing.assert_array_equal(mesh.points[own_nodes, :2].T, nodes)
+        assert set(mesh.points[platen.data.ravel(), 1]) == {1.0}
         now = path.stage.dofs_at(snapshot.configuration)["billet"]
         strain = snapshot.configuration.strain["billet"]
         law = now.body.criterion.law
         moved = nodes - path.snapshots[0].configuration.nodes["billet"]
-        np.testing.assert_array_equal(mesh.point_data["displacement"][:, :2].T, moved)
+        np.testing.assert_array_equal(mesh.point_data["displacement"][own_nodes, :2].T, moved)
         np.testing.assert_array_equal(
-            mesh.point_data["velocity"][:, :2].T, snapshot.velocity["billet"]
+            mesh.point_data["velocity"][own_nodes, :2].T, snapshot.velocity["billet"]
         )
-        at = {name: values for name, (values,) in mesh.cell_data.items()}
+        at = {name: values for name, (values, _) in mesh.cell_data.items()}
         assert at.keys() == {
             *(
                 "body",
@@ -243,3 +245,39 @@ def test_places_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"folder = .*cannot be written"):
         pressed(1).to_vtu(tmp_path / "file")
+
+
+def test_rigid_blocks_and_tools_are_where_they_are(tmp_path):
+    """A block that is pushed from the right, and a tool that turns about its corner."""
+    square = la.meshes.quadrilaterals(x=(0, 1), y=(0, 1), nx=1, ny=1)
+    steel = la.VonMises(hardening=la.hardening.Linear(1.0, 1.0))
+    pushed = la.Problem(
+        {
+            "body": la.Body(square, steel, space="q2"),
+            "block": la.RigidBlock([(1, -0.5), (2, -0.5), (2, 1.5), (1, 1.5)]),
+        },
+        [la.PointForce("block", "block", (-1, 0))],
+        [la.Fix("body", "left", "x"), la.Fix("body", "bottom", "y")],
+        [la.Interface(("body", "right"), ("block", "block"), 0.0)],
+    )
+    path = la.sequential(pushed, 0.1, 1, control=la.ToolTravel({"block": (-1, 0)}))
+    folder = path.to_vtu(tmp_path / "pushed").parent
+    shape = meshio.read(folder / "step-1.vtu")
+    flowing, block = shape.cells
+    corners = shape.points[block.data[0]]
+    assert (flowing.type, block.type) == ("quad9", "polygon")
+    assert sorted(set(corners[:, 0].round(9))) == [0.9, 1.9]
+    np.testing.assert_allclose(
+        shape.point_data["displacement"][block.data[0]], [[-0.1, 0, 0]] * 4, atol=1e-9
+    )
+    speed = path.snapshots[1].velocity["block"][0, 0]
+    np.testing.assert_allclose(shape.point_data["velocity"][block.data[0], 0], speed, rtol=1e-9)
+    assert [int(own[0]) for own in shape.cell_data["body"]] == [0, 1]
+
+    held = la.Problem({"body": pushed.bodies["body"]}, supports=pushed.supports)
+    plane = la.Tool(la.shapes.plane((1, 0), (-1, 0)), ("body", "right"), (-1, 0))
+    path = la.sequential(held, 0.1, 1, tools={"platen": plane})
+    shape = meshio.read(path.to_vtu(tmp_path / "held").parent / "step-1.vtu")
+    _, line = shape.cells
+    assert line.type == "line"
+    np.testing.assert_allclose(shape.points[line.data.ravel(), 0], 0.9, atol=1e-9)

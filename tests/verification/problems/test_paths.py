@@ -203,8 +203,97 @@ def test_read_problem_ignores_the_path(bar):
     assert isinstance(problem, la.Problem)
 
 
+TOOL = """\
+[tools.punch]
+tool = "outline"
+points = [["20 mm", "-5 mm"], ["30 mm", "-5 mm"], ["30 mm", "30 mm"], ["20 mm", "30 mm"]]
+touches = { body = "bar", where = "right" }
+velocity = [-1, 0]
+friction = 0.1
+"""
+
+
+@pytest.fixture
+def punched(tmp_path):
+    """Write a file whose bar is pressed by a tool, with some changes; the path of it."""
+
+    def written(*changes):
+        begin, end = BAR.index("[[reference_loads]]"), BAR.index("[path]")
+        text = BAR[:begin] + TOOL + BAR[end:]
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        file = tmp_path / "punched.toml"
+        file.write_text(text, encoding="utf-8")
+        return file
+
+    return written
+
+
+def test_a_tool_drives_the_path(punched, tmp_path):
+    """The force on the tool is that of the history, and its outline is in the files."""
+    meshio = pytest.importorskip("meshio")
+    result = lacore("solve", punched(), "--out", tmp_path / "out", rendered=False)
+    assert result.exit_code == 0, result.output
+    (force,) = re.findall(r"force on tools +punch \((\S+), \S+\) MN/m", result.stdout)
+    *_, last = result.stdout.split("largest strain")[1].strip().splitlines()
+    assert float(force) == pytest.approx(float(last.split()[2]), rel=1e-3)
+    assert "load factor" not in result.stdout
+    shape = meshio.read(tmp_path / "out" / "shapes" / "step-0003.vtu")
+    (line,) = (own.data for own in shape.cells if own.type == "line")
+    assert shape.points[line.ravel(), 0].min() == pytest.approx(0.014)  # 20 mm - 6 mm
+    names = {}
+    code = (tmp_path / "out" / "problem.py").read_text(encoding="utf-8")
+    exec(compile(code, "problem.py", "exec"), names)
+    stored = pd.read_csv(tmp_path / "out" / "history.csv")["force"]
+    assert names["path"].history["force"].tolist() == pytest.approx(stored.tolist())
+
+
+def test_tools_are_those_of_python(punched):
+    kinds = {
+        "wedge": 'tip = [1, 0]\nhalf_angle = "30 deg"\naxis = [1, 0]\nturn = "18 deg/m"',
+        "disc": "centre = [1, 0]\nradius = 0.5\nabout = [1, 1]",
+        "plane": 'point = [1, 0]\nnormal = [-2, 0]\nfriction = "stick"',
+    }
+    start = TOOL[TOOL.index("tool =") : TOOL.index("touches")]
+    made = {
+        name: read(punched((start, f'tool = "{name}"\n{keys}\n'), ("friction = 0.1\n", ""))).path
+        for name, keys in kinds.items()
+    }
+    tools = {name: own["tools"]["punch"] for name, own in made.items()}
+    assert tools["wedge"].shape == la.shapes.wedge((1, 0), 30, (1, 0))
+    assert tools["wedge"].turn == pytest.approx(0.3141592653589793)
+    assert (tools["disc"].shape, tools["disc"].about) == (la.shapes.disc((1, 0), 0.5), (1, 1))
+    assert tools["plane"].shape == la.shapes.plane((1, 0), (-1, 0))
+    assert tools["plane"].friction == la.STICK
+    assert {own.sides for own in tools.values()} == {(("bar", "right"),)}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('tool = "outline"', 'tool = "outlin"', "16: tools.punch.tool = 'outlin': .*outline"),
+        ('where = "right" }', 'where = "rigt" }', "18: tools.punch.touches = .*'right'"),
+        ("velocity = [-1, 0]", "", "15: tools.*: no tool moves, .*such as velocity = .0, -1."),
+        ('"-5 mm"], ["30 mm", "30 mm"]', '"30 mm"], ["30 mm", 0]', "17: tools.punch.points.*: not"),
+        ("[path]", "[pth]", "21: pth: unknown key"),
+        ('[path]\ntravel = "6 mm"\nsteps = 3\n', "", "15: tools: tools move along a path only"),
+        ("friction = 0.1", "friction = -1", "20: tools.punch.friction = -1"),
+        ("[tools.punch]", "[tools.bar]", "15: tools.*a body has this name"),
+        ("[path]",
+         '[[reference_loads]]\nload = "pressure"\nbody = "bar"\nwhere = "top"\nvalue = 1\n[path]',
+         "19: tools.punch.velocity = .*: the problem has reference loads, .*leave reference_loads"),
+        ('"6 mm"', '"6 mm"\nremesh = { quality = 2 }', "23: path.remesh.quality = 2: not between"),
+    ],
+)  # fmt: skip
+def test_mistakes_of_tools_are_said_with_their_line(punched, tmp_path, old, new, said):
+    result = lacore("solve", punched((old, new)), "--out", tmp_path / "out")
+    assert result.exit_code == 2, result.output
+    assert re.search(rf"punched.toml:{said}", result.stderr), result.stderr
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["upsetting"])
+@pytest.mark.parametrize("name", ["upsetting", "wedge"])
 def test_starters_with_a_path_are_followed(name, tmp_path):
     file = tmp_path / f"{name}.toml"
     file.write_text(lacore("new", name).stdout, encoding="utf-8")

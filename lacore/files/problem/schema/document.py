@@ -1,9 +1,10 @@
 """A problem file as a whole."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
-from pydantic import StrictBool
+from pydantic import Field, StrictBool, model_validator
 
 from lacore.errors import InputError, suggest
 from lacore.files.problem.calls import Call, Key, MisfitError, Own, Program, Spread, owned
@@ -13,7 +14,8 @@ from lacore.files.problem.schema.conditions import Interface, Load, Support
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.path import PathOf
 from lacore.files.problem.schema.places import DRAWING
-from lacore.files.problem.schema.values import Number
+from lacore.files.problem.schema.tools import Tool
+from lacore.files.problem.schema.values import Number, refused
 
 _OF_BLOCKS = ("block", "blocks", "wall", "stack", "arch")
 
@@ -70,15 +72,25 @@ class ProblemFile(Entry):
     title: str = ""
     """Of the page that shows the answer."""
     bodies: dict[str, Body]
-    reference_loads: tuple[Load, ...]
-    """What the load factor multiplies."""
+    reference_loads: tuple[Load, ...] = ()
+    """What the load factor multiplies; required unless tools move."""
     dead_loads: tuple[Load, ...] = ()
     """What stays as it is."""
     supports: tuple[Support, ...] = ()
     interfaces: tuple[Interface, ...] = ()
+    tools: dict[str, Tool] = Field(default_factory=dict)
+    """Rigid tools of an exact shape, which move along a path."""
     path: PathOf | None = None
     """Along which the bodies deform; without it the load of the initial shape is computed."""
     solve: Asked = Asked()
+
+    @model_validator(mode="after")
+    def _driven(self) -> "ProblemFile":
+        if self.tools and self.path is None:
+            raise refused("tools move along a path only", "add a table [path]", "tools")
+        if not (self.reference_loads or self.tools):
+            raise refused("missing", "add reference_loads", "reference_loads")
+        return self
 
     def program(self) -> Program:
         """What makes the problem.
@@ -105,6 +117,9 @@ class ProblemFile(Entry):
                     key = (load.body, load.several, *([str(number + 1)] if number else []))
                     things[key], nodes[place] = nodes[place], Spread(Own(key))
         path = None if self.path is None else self.path.call(("path",))
+        if path is not None and self.tools:
+            tools = {name: tool.call(("tools", name)) for name, tool in self.tools.items()}
+            path = replace(path, arguments={**path.arguments, "tools": tools})
         own = {} if path is None else {**path.arguments, "problem": None}
         self._require(things, [*things.values(), call, own])
         return Program(things, call, path)
@@ -123,6 +138,6 @@ class ProblemFile(Entry):
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""
         given = super().arguments(at)
-        for name in ("title", "path", "solve"):
+        for name in ("title", "tools", "path", "solve"):
             given.pop(name, None)
         return {name: list(own) if isinstance(own, tuple) else own for name, own in given.items()}

@@ -10,7 +10,7 @@ from lacore.files.problem.calls import PROBLEM, Call, Own
 from lacore.files.problem.places import Path as Place
 from lacore.files.problem.schema.conditions import Interface
 from lacore.files.problem.schema.entry import Entry
-from lacore.files.problem.schema.values import AngleSlope, Count, Measure, Number, Point
+from lacore.files.problem.schema.values import AngleSlope, Count, Length, Measure, Number, Point
 
 
 class FootingTravel(Entry):
@@ -94,6 +94,26 @@ class LeastNorm(Entry):
     """By how much its load may be above the load factor; 0.0001 if left out."""
 
 
+def _size(given: Any) -> str:
+    return "~each" if isinstance(given, dict) else "~all"
+
+
+class Remeshing(Entry):
+    """New triangles when elements are distorted, by Gmsh."""
+
+    maker: ClassVar[str] = "la.Remeshing"
+    size: (
+        Annotated[
+            Annotated[Length, Tag("~all")] | Annotated[dict[str, Length], Tag("~each")],
+            Discriminator(_size),
+        ]
+        | None
+    ) = None
+    """Length of edges, or one for each body by name; as before if left out."""
+    quality: Number | None = None
+    """Ratio of the quality of an element to that at first, below which it is replaced."""
+
+
 @dataclass(frozen=True)
 class _Travel(Measure):
     """A length, or a time where that is what the control measures."""
@@ -132,6 +152,7 @@ class PathOf(Entry):
     """Number of equal steps (20 if left out), or a table for steps of different lengths."""
     scheme: Literal["leapfrog", "explicit", "implicit-midpoint", "implicit-euler"] | None = None
     selection: LeastNorm | None = None
+    remesh: Remeshing | None = None
     approaching: tuple[Interface, ...] = ()
     """Interfaces whose sides do not touch yet."""
     keep_every: Count | None = None

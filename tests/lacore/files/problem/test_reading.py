@@ -85,7 +85,8 @@ def test_errors_say_file_line_field_value_and_mend(tmp_path, old, new, line, sai
         (b"title = '\xff'", r":1: is not text in UTF-8; save it"),
         (b"a = " + b"[" * 5000, "nested too deeply|is not valid TOML"),
         (b"", r"path = .*is empty; `lacore new` prints problem files"),
-        (b"# a comment", r":1: bodies: missing; add bodies, reference_loads"),
+        (b"bodies = {}", r":1: reference_loads: missing; add reference_loads"),
+        (b"# a comment", r":1: bodies: missing; add bodies"),
     ],
 )
 def test_what_is_no_problem_file_is_refused(tmp_path, content, said):
