@@ -50,7 +50,12 @@ def _first(
 
 
 def candidates(recipe: Recipe) -> Iterator[Recipe]:
-    """Smaller recipes, those first that leave most out."""
+    """Smaller recipes, those first that leave most out; what has a fact keeps it on any mesh."""
+    if "fact" in recipe:
+        for body, data in recipe["bodies"].items():
+            if data["kind"] == "continuum":
+                yield from _coarser(recipe, body)
+        return
     for name in LISTS:
         for place in range(len(recipe[name])):
             if name == "reference" and len(recipe[name]) == 1:

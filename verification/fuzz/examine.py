@@ -47,7 +47,7 @@ class Judgement:
 def examine(recipe: Recipe, rng: Rng) -> Judgement:
     """Solve a recipe and judge it; `rng` draws what it is compared with."""
     if "path" in recipe:
-        made = examine_path(recipe)
+        made = examine_path(recipe, rng)
         return Judgement(made.status, made.load_factor, "", made.message, True, wrong=made.wrong)
     base = answer(recipe, rng)
     if base.status == "refused":

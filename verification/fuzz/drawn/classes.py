@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from lacore.errors import require_known
-from verification.fuzz.drawn import draw_blocks, draw_continua, draw_frames
+from verification.fuzz.drawn import draw_blocks, draw_continua, draw_frames, draw_paths
 from verification.fuzz.drawn.draw import Rng
 from verification.fuzz.drawn.recipe import Recipe
 
@@ -20,6 +20,8 @@ CLASSES: Mapping[str, Callable[[Rng], Recipe]] = {
     "mixtures": draw_continua.mixtures,
     "frames": draw_frames.frames,
     "paths": draw_continua.paths,
+    "pairs-on-paths": draw_paths.pairs,
+    "tools-on-paths": draw_paths.tools,
 }
 
 

@@ -76,6 +76,8 @@ def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> R
             }
     if "path" in made:
         made["path"]["travel"] *= length
+        tools = made["path"].get("tools", {})
+        made["path"]["tools"] = {name: vector(speed) for name, speed in tools.items()}
     return made
 
 
@@ -126,6 +128,9 @@ def renamed(recipe: Recipe, rng: Rng) -> Recipe:
             body["polygons"] = {block(name, b): p for b, p in body["polygons"].items()}
             body["joints"] = [[block(name, a), block(name, b), law] for a, b, law in body["joints"]]
     made["bodies"] = {new[name]: body for name, body in made["bodies"].items()}
+    if "path" in made:
+        tools = made["path"].get("tools", {})
+        made["path"]["tools"] = {new[name]: speed for name, speed in tools.items()}
     for part in (*made["reference"], *made["dead"], *made["supports"]):
         for key in ("where", "at"):
             if key in part:
@@ -158,8 +163,9 @@ def stronger(recipe: Recipe, factor: float) -> Recipe:
     """Strengths, limits of friction and dead loads in other units."""
     made = copied(recipe)
     for body in made["bodies"].values():
-        if "strength" in body:
-            body["strength"] *= factor
+        for name in ("strength", "hardening"):
+            if name in body:
+                body[name] *= factor
         if "plastic_moment" in body:
             body["plastic_moment"] = {n: factor * m for n, m in body["plastic_moment"].items()}
         if body["kind"] == "blocks":

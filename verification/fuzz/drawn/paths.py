@@ -1,16 +1,22 @@
 """Short paths: that they end, and that their loads are those of limit problems."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import nan
+
+import numpy as np
 
 import lacore as la
 from lacore.errors import LacoreError
 from lacore.paths.ending import Ending
-from verification.fuzz.checks.verdict import BAR, Wrong
-from verification.fuzz.drawn.copies import has_coulomb
+from verification.fuzz.checks.path_facts import check_facts
+from verification.fuzz.checks.verdict import BAR, Wrong, beyond, first
+from verification.fuzz.drawn.copies import COPIES, has_coulomb
+from verification.fuzz.drawn.draw import Rng, chosen
 from verification.fuzz.drawn.recipe import Recipe, build
 from verification.fuzz.solving import told
 
+_SAME = ("turned", "mirrored", "reordered")  # copies of the same forces; reordered: slaves, too
 _GROWTH = 0.05  # of the volume in a few steps of some hundredths: more is no flow of this kind
 
 
@@ -24,12 +30,11 @@ class PathAnswer:
     wrong: Wrong | None = None
 
 
-def examine_path(recipe: Recipe) -> PathAnswer:
-    """Follow a recipe along its path and judge each load."""
+def examine_path(recipe: Recipe, rng: Rng) -> PathAnswer:
+    """Follow a recipe along its path and judge each load; `rng` draws a copy of it."""
     try:
-        problem = build(recipe)
-        path = la.sequential(problem, **recipe["path"])
-        begin = la.solve(problem)
+        path = follow(recipe)
+        begin = la.solve(build(recipe))
     except LacoreError as error:
         return PathAnswer("refused", nan, str(error))
     except Exception as error:  # anything else is a find
@@ -38,7 +43,42 @@ def examine_path(recipe: Recipe) -> PathAnswer:
     status = la.Status.SOLVED.label if reached else path.status.label
     history = path.history
     load = float(history["load_factor"].iloc[-1]) if reached else nan
-    return PathAnswer(status, load, path.message, _wrong(recipe, path, begin))
+    wrong = _wrong(recipe, path, begin)
+    if wrong is None and reached and _of_several(recipe):
+        wrong = first([*check_facts(recipe, path), *_copy(recipe, path, rng)])
+    return PathAnswer(status, load, path.message, wrong)
+
+
+def follow(recipe: Recipe) -> la.Path:
+    """The path of a recipe.
+
+    Raises:
+        InputError: what lacore refuses.
+    """
+    settings = {name: value for name, value in recipe["path"].items() if name != "tools"}
+    if tools := recipe["path"].get("tools"):
+        settings["control"] = la.ToolTravel({name: tuple(own) for name, own in tools.items()})
+    return la.sequential(build(recipe), **settings)
+
+
+def _of_several(recipe: Recipe) -> bool:
+    """Whether bodies may touch each other."""
+    return any(isinstance(pair["master"], list) for pair in recipe["interfaces"])
+
+
+def _copy(recipe: Recipe, path: la.Path, rng: Rng) -> Iterator[Wrong]:
+    """Moved, or with the sides of its interfaces exchanged, it takes the same forces."""
+    name = chosen(rng, _SAME)
+    try:
+        other = follow(COPIES[name](recipe, rng))
+    except LacoreError as error:
+        yield Wrong(f"{name}, refused", str(error))
+        return
+    if len(other.history) != len(path.history):
+        yield Wrong(f"{name}, path", f"ends otherwise: {other.message}")
+        return
+    forces, same = (own.history["force"].to_numpy() for own in (path, other))
+    yield from beyond(f"{name}, force", "differs by", np.abs(same - forces), np.abs(forces))
 
 
 def _wrong(recipe: Recipe, path: la.Path, begin: la.LimitState) -> Wrong | None:

@@ -2,6 +2,7 @@
 
 A recipe has ``bodies`` by name, and lists ``reference``, ``dead``, ``supports``, ``interfaces``:
 each entry the arguments of the class it names, boundaries as names or as a line of two points.
+That of a path has ``path``: the arguments of `lacore.sequential`, and velocities of ``tools``.
 """
 
 from __future__ import annotations  # not evaluated: names of lacore in them load nothing
@@ -9,6 +10,7 @@ from __future__ import annotations  # not evaluated: names of lacore in them loa
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -133,9 +135,13 @@ def load_of(data: Mapping[str, Any]) -> Any:
 def body_of(data: Mapping[str, Any]) -> Any:
     """A body: a continuum on a mapped rectangle, blocks, or a frame."""
     if data["kind"] == "continuum":
+        strength, slope = data["strength"], data.get("hardening")
+        metal = la.VonMises(shear_strength=strength)
+        if slope is not None:
+            metal = la.VonMises(hardening=la.hardening.Linear(sqrt(3) * strength, slope))
         return la.Body(
             mesh_of(data["mesh"]),
-            la.VonMises(shear_strength=data["strength"]),
+            metal,
             kinematics=data["kinematics"],
             space=data["space"],
         )
