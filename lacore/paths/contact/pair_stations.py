@@ -73,7 +73,7 @@ def pair_station(
         weights=total.astype(np.float64),
         gaps=gaps,
         laws=law,
-        away=np.asarray(gaps != 0),
+        away=np.asarray(gaps > 0),
         x=csr_matrix(mean @ values.x),
         y=csr_matrix(mean @ values.y),
         moving=np.tile(np.stack(moving, axis=1), (len(SHARES), 1))[some],

@@ -21,7 +21,8 @@ class Station(Compact):
         name: of the interface.
         bodies: names of the slave and, where that is a body, of the master.
         places, normals: shape (k, 2); a normal points into the slave.
-        weights, gaps: lengths that they stand for and distances where the step begins, m, (k,).
+        weights, gaps: lengths that they stand for and distances where the step begins, m, (k,);
+            between bodies 0 where they touch, and negative where they overlap.
         laws: friction, (k,) each.
         away: which of them do not touch where the step begins, (k,).
         x, y: rows of the velocity of the slave against the master, (k, n) each.
@@ -70,6 +71,7 @@ def gathered(
         csr_matrix(vstack([csr_matrix((0, n)), *(getattr(own, axis) for own in stations)]))
         for axis in ("x", "y")
     )
+    closes = away.any() or any(np.any(own.gaps) for own in stations[len(obstacles) :])
     rows = ContactRows(
         normal=_along(normal, x, y),
         tangential=_along(np.stack([-normal[:, 1], normal[:, 0]], axis=1), x, y),
@@ -79,7 +81,7 @@ def gathered(
         limit=np.where(away, 0.0, limit),  # what does not touch neither sticks nor rubs
         dilatancy=np.zeros(gaps.size),
         interface=np.repeat(np.arange(len(stations)), [own.gaps.size for own in stations]),
-        closing=gaps / duration if away.any() else None,
+        closing=gaps / duration if closes else None,
     )
     names = tuple(own.name for own in stations)
     met = tuple(own.bodies for own in stations)

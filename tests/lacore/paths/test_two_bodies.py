@@ -169,6 +169,19 @@ def test_sides_that_a_loose_solver_has_left_in_each_other_still_meet():
     assert contact.weights.sum() == pytest.approx(1.0)  # the length of the upper block
 
 
+@pytest.mark.parametrize(("sunk", "limit"), [(1e-4, 0.2), (0.0, 0.2), (-1e-4, 0.0)])
+def test_friction_with_a_limit_acts_where_sides_overlap(sunk, limit):
+    """It is lost where they are apart: what closes within a step sticks from the next one on."""
+    stage = staged(sled(friction=la.Tresca(0.2)), ())
+    down = {"low": 0.0, "top": -sunk}
+    nodes = {name: own + np.array([[0.0], [down[name]]]) for name, own in stage.start.nodes.items()}
+    contact = discretised(
+        stage, Moment(*[replace(stage.start, nodes=nodes)] * 2, 1.0, 0.0)
+    ).full.contact
+    assert contact.limit == pytest.approx(limit)
+    assert (contact.closing is None) == (sunk == 0)
+
+
 def overlapping():
     problem, approaching = neighbours()
     low = part((0.98, 2), (0, 1), 3, 3)

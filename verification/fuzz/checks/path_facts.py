@@ -12,6 +12,7 @@ from verification.fuzz.drawn.recipe import Recipe
 from verification.fuzz.drawn.touches import law_terms
 
 _SLIPS = 1e-4  # of the largest velocity: below it a point may as well stick
+_TOUCH = 1e-5  # m, of bodies about 1 m in size
 _VOLUME = 1e-6  # of a step of the implicit midpoint, for each step
 _STATE = 1e-4  # of the largest traction: residuals of certificates sum up, and scale, otherwise
 
@@ -66,14 +67,16 @@ def _coulomb(recipe: Recipe, path: la.Path, state: la.LimitState) -> Iterator[Wr
     }
     known = np.array([laws[str(name).split("#")[0]] for name in table["interface"]])
     mu, limit = known.reshape(-1, 3)[:, :2].T
-    normal, shear, slip = (table[name].to_numpy() for name in ("t_n", "t_t", "u_t"))
+    normal, shear, slip, gap = (table[name].to_numpy() for name in ("t_n", "t_t", "u_t", "gap"))
+    # What closes a gap within the step sticks from the next one on; mu t_n acts at once.
+    limit = np.where(gap <= _TOUCH, limit, 0.0)
     scale = max(float(np.abs(normal).max(initial=0.0)), float(np.abs(shear).max(initial=0.0)))
     yield from beyond("tension on a path", "of", -normal, scale, _STATE)
     most = mu * np.maximum(normal, 0.0) + limit
     yield from beyond("friction on a path", "beyond its law by", np.abs(shear) - most, scale,
                       _STATE)  # fmt: skip
     speed = max(float(np.abs(own).max()) for own in state.velocity.values())
-    slips = (np.abs(slip) > _SLIPS * speed) & np.isfinite(most)
+    slips = (np.abs(slip) > _SLIPS * speed) & np.isfinite(most) & (normal > _STATE * scale)
     short = np.where(slips, most + shear * np.sign(slip), 0.0)
     yield from beyond("slip on a path", "with too little friction, by", short, scale, _STATE)
 

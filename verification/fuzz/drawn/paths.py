@@ -83,6 +83,8 @@ def _copy(recipe: Recipe, path: la.Path, rng: Rng) -> Iterator[Wrong]:
 
 def _wrong(recipe: Recipe, path: la.Path, begin: la.LimitState) -> Wrong | None:
     history = path.history
+    if history.empty and _of_several(recipe):
+        return None  # nothing is claimed; of one body there must be a first step
     if history.empty:
         solved = begin.status is la.Status.SOLVED
         return Wrong("first step", "none, of a problem that is solved") if solved else None
