@@ -1,0 +1,90 @@
+"""What random paths are judged by: closed forms, friction, volume and the power of tools."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from verification.campaigns.shrinking import candidates
+from verification.fuzz.checks.path_facts import check_facts, exact_force
+from verification.fuzz.checks.verdict import first
+from verification.fuzz.drawn.classes import draw
+from verification.fuzz.drawn.copies import COPIES, copied
+from verification.fuzz.drawn.paths import follow
+
+PAIRS, TOOLS = "pairs-on-paths", "tools-on-paths"
+KINDS = [PAIRS, TOOLS]
+
+
+@cache
+def recipe_with(fact):
+    """The first recipe with a fact, with the smallest meshes."""
+    kind = TOOLS if fact == "platens" else PAIRS
+    recipe = next(own for own in (draw(kind, 1, n) for n in range(100)) if own.get("fact") == fact)
+    made = copied(recipe)
+    for body in made["bodies"].values():
+        if body["kind"] == "continuum":
+            body["mesh"].update(nx=1, ny=1)
+    made["path"]["steps"] = 1
+    return made
+
+
+@cache
+def path_with(fact):
+    return follow(recipe_with(fact))
+
+
+@pytest.mark.parametrize("fact", ["stack", "narrow", "sled", "platens"])
+def test_a_right_path_keeps_its_facts(fact):
+    assert first(check_facts(recipe_with(fact), path_with(fact))) is None
+
+
+def stronger(recipe):
+    recipe["bodies"]["block"]["strength"] *= 1.001
+
+
+def smoother(recipe):
+    recipe["interfaces"][0]["friction"] *= 0.99
+
+
+def slower(recipe):
+    recipe["path"]["tools"]["up"][1] *= 1.001
+
+
+@pytest.mark.parametrize(
+    ("fact", "change", "check"),
+    [
+        ("platens", stronger, "exact force of a path"),
+        ("sled", smoother, "friction on a path"),
+        ("platens", slower, "power of tools"),
+    ],
+)
+def test_an_injected_error_is_found(fact, change, check):
+    recipe = copied(recipe_with(fact))
+    change(recipe)
+    found = [wrong.check for wrong in check_facts(recipe, path_with(fact))]
+    assert check in found
+
+
+def test_what_has_a_fact_is_cut_in_its_meshes_alone():
+    recipe = draw(PAIRS, 1, next(n for n in range(100) if "fact" in draw(PAIRS, 1, n)))
+    cut = list(candidates(recipe))
+    assert cut
+    assert all(own["interfaces"] == recipe["interfaces"] for own in cut)
+    assert all(exact_force(own, 0.01) == exact_force(recipe, 0.01) for own in cut)
+
+
+def test_a_turned_path_has_turned_tools():
+    recipe = recipe_with("platens")
+    made = COPIES["turned"](recipe, np.random.default_rng(1))
+    for name, speed in recipe["path"]["tools"].items():
+        assert np.linalg.norm(made["path"]["tools"][name]) == pytest.approx(np.linalg.norm(speed))
+        assert made["path"]["tools"][name] != pytest.approx(speed)
+
+
+def test_a_path_under_other_names_has_its_tools_under_them():
+    recipe = recipe_with("platens")
+    made = COPIES["renamed"](recipe, np.random.default_rng(1))
+    assert set(made["path"]["tools"]) < set(made["bodies"])
+    exact = exact_force(recipe, recipe["path"]["travel"])
+    assert follow(made).history["force"].iloc[-1] == pytest.approx(exact, rel=1e-5)
