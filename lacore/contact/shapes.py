@@ -263,7 +263,7 @@ def outline(points: Sequence[Point], rounding: float | Sequence[float] = 0.0) ->
     corners = [_place(f"{field}[{number}]", own) for number, own in enumerate(points)]
     polygon = shapely.Polygon(corners)
     if not polygon.is_valid or not polygon.area > 0:
-        why = shapely.is_valid_reason(polygon) if polygon.area > 0 else "its area is zero"
+        why = "its area is zero" if polygon.is_valid else shapely.is_valid_reason(polygon)
         raise InputError(field, points, f"not a polygon: {why}", "list the corners in order")
     radii: Any = [rounding] * len(corners) if is_number(rounding) else rounding
     if not isinstance(radii, Sequence | np.ndarray) or len(radii) != len(corners):

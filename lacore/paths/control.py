@@ -77,7 +77,8 @@ class FootingTravel(Compact):
                 "control",
                 "FootingTravel",
                 "the reference load is not one RigidFooting",
-                "give control=lacore.PointTravel(body, at, direction) or lacore.Time()",
+                "give control=lacore.PointTravel(body, at, direction) or lacore.Time(), or"
+                " tools={'name': lacore.Tool(...)} that move",
             )
         return lambda d, velocity: float(velocity[d.footings[0]])
 

@@ -26,6 +26,10 @@ class Ending(Enum):
         "no flow that the materials allow makes the next step, or one under a load without bound:"
         " obstacles or supports enclose the bodies, or they harden without end within it"
     )
+    NO_CONTACT = (
+        "no tool presses on a body, so none does any work: begin with a tool that touches the body,"
+        " turn its velocity around, or end the path before it leaves the body"
+    )
     NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
     NOT_ITERATED = (
         "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.bodies.touching import TOUCH
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.meshes.curved import signed_jacobians
@@ -17,6 +18,7 @@ from lacore.paths.ending import Ending
 from lacore.paths.flow import Flow, Moment, flow
 from lacore.paths.selection import LeastNorm, least_norm
 from lacore.paths.stage import Stage
+from lacore.paths.tools.overlap import contacts
 from lacore.status import Status
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
@@ -133,8 +135,13 @@ class Walk:
         self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
-            text = f"{Ending.LOCKED.value} (load factor {found.load_factor:.3g})"
+            pressing = self._contacts(moment.at, TOUCH * self.size)
+            where = f"{', '.join(pressing)}: " if pressing else ""
+            text = f"{where}{Ending.LOCKED.value} (load factor {found.load_factor:.3g})"
             raise PathEndError(Ending.LOCKED, text)
+        if state.status is Status.FREE and self.stage.tools:
+            names = ", ".join(map(repr, self.stage.tools))
+            raise PathEndError(Ending.NO_CONTACT, f"tools {names}: {Ending.NO_CONTACT.value}")
         if state.status is not Status.SOLVED or state.point is None:
             way_out = "" if state.status is Status.UNSAFE else _OTHER_SHAPES
             message = state.status.by(state.backend, state.message)
@@ -148,6 +155,9 @@ class Walk:
         if speed <= _STILL * float(np.abs(found.motion).max()):
             raise PathEndError(Ending.STANDSTILL, f"{Ending.STANDSTILL.value} (speed {speed:.3g})")
         return found, speed
+
+    def _contacts(self, at: Configuration, within: float) -> list[str]:
+        return contacts(self.stage.obstacles_at(at), self.stage.bodies_at(at), within)
 
     def require_safe(self, here: Here, distance: float) -> None:
         """Dead loads must not collapse the bodies as strong as they are now.

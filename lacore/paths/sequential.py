@@ -14,7 +14,7 @@ from lacore.errors import InputError, require_count, require_known, require_posi
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
 from lacore.paths.contact.overlap import corner_inside
-from lacore.paths.control import Control, FootingTravel, driven_by, gauge_of, unit_of
+from lacore.paths.control import Control, FootingTravel, ToolTravel, driven_by, gauge_of, unit_of
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.hooks.calling import Caller, GivenHook, known_hooks
@@ -39,7 +39,8 @@ from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
 from lacore.paths.steady import Steady
 from lacore.paths.stored.checkpoint import Checkpoint, identity
-from lacore.paths.tools.tool import Tool, tooling
+from lacore.paths.tools.overlap import require_apart
+from lacore.paths.tools.tool import Tool, require_own_travel, tooling
 from lacore.problem.problem import Problem
 
 
@@ -148,10 +149,13 @@ def sequential(
         )
     given_hooks = known_hooks(hooks)
     tooled = tooling(problem, tools or {})
+    if tooled.moves and isinstance(control, ToolTravel):
+        require_own_travel(control, tooled)
     if control is None:
         control = tooled.travel if tooled.moves else FootingTravel()
     drives = tooled.drives or driven_by(control, problem)
     stage = staged(problem, approaching, drives, tooled)
+    require_apart(stage.obstacles, stage.bodies)
     if isinstance(remesh, Remeshing):
         remesh.check(stage.problem)
     gauge = gauge_of(control, stage.problem)

@@ -33,7 +33,7 @@ from lacore.paths.contact.poses import carried_along, placed, pose, require_sing
 from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of
 from lacore.paths.loads import check_load, of_block
 from lacore.paths.tools.block import PART, ToolBlock, moved_shape
-from lacore.paths.tools.contact import drive, driving
+from lacore.paths.tools.contact import driving
 from lacore.paths.tools.tool import NO_TOOLS, Tooling
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
@@ -95,8 +95,12 @@ class Stage(Compact):
     @property
     def drawn(self) -> list[str]:
         """Names of the rigid blocks whose polygons are their outlines: not those of tools."""
-        carriers = {own.carrier for own in self.obstacles}
-        return [name for name in self.rigid if name not in carriers]
+        return [name for name in self.rigid if name not in self.tools]
+
+    @property
+    def tools(self) -> list[str]:
+        """Names of the tools of an exact shape."""
+        return list(dict.fromkeys(own.carrier for own in self.obstacles if own.carrier))
 
     @cached_property
     def catches(self) -> bool:
@@ -189,11 +193,7 @@ class Stage(Compact):
             return replace(load, at=(x, y))
 
         driven = driving(bodies, self.problem.driven)
-        reference = [gripped(load) for load in self.problem.reference_loads]
-        if driven is not None:
-            block = bodies[driven[0]]
-            assert isinstance(block, ToolBlock)
-            reference = [drive(driven[0], block, driven[1])]
+        reference = driven or [gripped(load) for load in self.problem.reference_loads]
         return replace(
             self.problem,
             bodies=bodies,
@@ -245,7 +245,8 @@ def staged(
             return of_block(part, kind)
         return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
 
-    reference = [renamed(load) for load in problem.reference_loads]
+    driven = driving(rigid, drives or {})
+    reference = [] if driven else [renamed(load) for load in problem.reference_loads]
     dead = [renamed(load) for load in problem.dead_loads]
     supports = [renamed(support) for support in problem.supports]
     bonds = [own for own in problem.interfaces if _ties(own)]
@@ -286,11 +287,10 @@ def staged(
     for own in obstacles if shaped else ():
         meets[own.body] = np.union1d(meets.get(own.body, own.facets), own.facets)
     meets |= {name: np.arange(block.edges.block.size) for name, block in shaped.items()}
-    drives = drives or {}
-    if (first := driving(rigid, drives)) is not None:
-        reference = [drive(first[0], shaped[first[0]], first[1])]
     every: dict[str, PlaneBody] = {**bodies, **rigid}
-    ready = ProblemOnPath(MappingProxyType(every), reference, supports, bonded, dead, meets, drives)
+    ready = ProblemOnPath(
+        MappingProxyType(every), driven or reference, supports, bonded, dead, meets, drives
+    )
     _check_tied(ready)
     return Stage(
         problem=ready,

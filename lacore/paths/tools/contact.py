@@ -139,14 +139,17 @@ def corner_station(
     )
 
 
-def drive(name: str, block: ToolBlock, motion: Floats) -> PointForce:
-    """The reference load by which tools are driven: its power per travel is 1.
+def driving(rigid: Mapping[str, object], drives: Mapping[str, Floats]) -> list[PointForce]:
+    """The reference load by which tools of an exact shape are driven; none where none moves."""
+    for name, motion in drives.items():
+        block = rigid[name]
+        if isinstance(block, ToolBlock) and np.any(motion):
+            return [_drive(name, block, motion)]
+    return []
 
-    Args:
-        name: of a tool that moves.
-        block: its body where it is.
-        motion: per travel, shape (3,).
-    """
+
+def _drive(name: str, block: ToolBlock, motion: Floats) -> PointForce:
+    """A force on a tool where it is, whose power per travel is 1."""
     x, y, turn = motion.tolist()
     if x or y:
         size = x * x + y * y
@@ -155,14 +158,6 @@ def drive(name: str, block: ToolBlock, motion: Floats) -> PointForce:
     a, b = (corner - block.centroid[:, 0]).tolist()
     size = turn * (a * a + b * b)
     return PointForce(name, tuple(corner.tolist()), (-b / size, a / size))
-
-
-def driving(rigid: Mapping[str, object], drives: Mapping[str, Floats]) -> tuple[str, Floats] | None:
-    """The first tool of an exact shape that moves, and its motion; None of none."""
-    for name, motion in drives.items():
-        if isinstance(rigid[name], ToolBlock) and np.any(motion):
-            return name, motion
-    return None
 
 
 def _edge_below(side: Outline, place: Floats) -> tuple[int, float] | None:

@@ -226,3 +226,18 @@ def _check(name: object, tool: object, problem: Problem, continua: Mapping[str, 
 def _block(tool: Tool, continua: Mapping[str, Body]) -> ToolBlock:
     size = min(continua[body].size for body, _ in tool.sides)
     return ToolBlock.about(tool.reference, size, tool.shape)
+
+
+def require_own_travel(control: ToolTravel, tools: Tooling) -> None:
+    """Raise `InputError` where a control gives tools other velocities than their own."""
+    for name, own in control.velocity.items():
+        known = tools.drives.get(name)
+        given = np.array([*own, 0.0][:3], dtype=float)
+        if known is None or not np.array_equal(known, given):
+            raise InputError(
+                f"ToolTravel.velocity[{name!r}]",
+                own,
+                "not the velocity of a lacore.Tool of this name"
+                + ("" if known is None else f", which is {tuple(known.tolist())}"),
+                "leave out the control, and give all tools as lacore.Tool(..., velocity=(x, y))",
+            )

@@ -86,6 +86,181 @@ def _clamped():
     return la.Problem(held.bodies, supports=[la.Fix("block", "bottom")])
 
 
+def soil(nx=6, ny=3):
+    mesh = la.meshes.quadrilaterals((0, 3), (-1.5, 0), nx, ny)
+    body = la.Body(mesh, la.VonMises(hardening=LAW), space="q2")
+    return {"soil": body}, [la.Fix("soil", "left", "x"), la.Fix("soil", "bottom")]
+
+
+def under(x):
+    return (x[1] > -1e-9) & (x[0] < 1)
+
+
+def test_a_rough_flat_punch_presses_like_a_footing():
+    """A smooth one does at the beginning; then material slides past its corner."""
+    bodies, held = soil()
+    footing = la.RigidFooting("soil", under, (0, -1), rough=True)
+    known = la.sequential(la.Problem(bodies, [footing], held), 0.06, 2)
+    square = la.shapes.outline([(-1, 0), (1, 0), (1, 1), (-1, 1)])
+    punch = {"punch": la.Tool(square, ("soil", "top"), (0, -1), friction=la.STICK)}
+    path = la.sequential(la.Problem(bodies, supports=held), 0.06, 2, tools=punch)
+    assert path.history.force.to_numpy() == pytest.approx(known.history.force.to_numpy(), rel=SAME)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, la.Tresca(0.2), la.STICK])
+def test_the_power_of_force_and_torque_is_dissipated(friction):
+    """Of a disc that turns, per travel; sticking costs no less than friction."""
+    disc = la.shapes.disc((0.5, 1.0), 0.5)
+    tool = la.Tool(disc, ("block", "top"), (0.3, -0.5), turn=0.8, friction=friction)
+    path = pressed({"roll": tool}, travel=0.05, scheme="explicit", problem=_clamped())
+    row, felt = path.history.iloc[0], path.tool_forces().iloc[0]
+    power = -(0.3 * felt.f_x - 0.5 * felt.f_y + 0.8 * felt.moment)
+    assert power == pytest.approx(row.plastic + row.friction, rel=1e-5)
+    assert power == pytest.approx(row.force, rel=1e-5)
+
+
+def test_a_tool_that_turns_alone_is_driven_by_its_torque():
+    disc = la.shapes.disc((0.5, 1.0), 0.5)
+    tool = la.Tool(disc, ("block", "top"), turn=2.0, friction=la.STICK)
+    path = pressed({"roll": tool}, travel=0.02, scheme="explicit", problem=_clamped())
+    felt = path.tool_forces().iloc[0]
+    assert -2.0 * felt.moment == pytest.approx(path.history.force.iloc[0], rel=1e-5)
+    assert path.history.force.iloc[0] > 0
+
+
+def test_moving_the_body_is_moving_the_tool():
+    bodies, held = soil()
+    wedge = la.shapes.wedge((0, 0), 60)
+    tool = {"wedge": la.Tool(wedge, ("soil", "top"), (0, -1), friction=0.1)}
+    roller = [held[0], la.Fix("soil", "bottom", "y")]
+    by_tool = la.sequential(la.Problem(bodies, supports=roller), 0.1, 2, "explicit", tools=tool)
+    push = la.RigidFooting("soil", "bottom", (0, 1), rough=False)
+    fixed = la.Interface(("soil", "top"), la.RigidObstacle(shape=wedge), 0.1)
+    by_body = la.sequential(
+        la.Problem(bodies, [push], held[:1]), 0.1, 2, "explicit", approaching=[fixed]
+    )
+    forces = [path.history.force.to_numpy() for path in (by_tool, by_body)]
+    assert forces[0] == pytest.approx(forces[1], rel=SAME)
+
+
+def test_the_frame_makes_no_difference():
+    """The same body and wedge, turned by 90 degrees."""
+    mesh = la.meshes.quadrilaterals((0, 3), (-1.5, 0), 6, 3)
+    turned = type(mesh)(np.stack([-mesh.p[1], mesh.p[0]]), mesh.t).with_boundaries(mesh.boundaries)
+    forces = []
+    for own, along, held in ((mesh, (0, -1), "x"), (turned, (1, 0), "y")):
+        body = la.Body(own, la.VonMises(hardening=LAW), space="q2")
+        problem = la.Problem(
+            {"soil": body}, supports=[la.Fix("soil", "left", held), la.Fix("soil", "bottom")]
+        )
+        axis = (-along[0], -along[1])
+        tool = la.Tool(la.shapes.wedge((0, 0), 60, axis), ("soil", "top"), along)
+        path = la.sequential(problem, 0.1, 2, "explicit", tools={"wedge": tool})
+        forces.append(path.history.force.to_numpy())
+    assert forces[0] == pytest.approx(forces[1], rel=SAME)
+
+
+def test_a_corner_between_vertices_is_kept_out():
+    """A blunt wedge in the middle of an edge: no vertex of the body is below its tip."""
+    bodies, held = soil()
+    tool = la.Tool(la.shapes.wedge((1.25, 0), 75), ("soil", "top"), (0, -1))
+    path = la.sequential(
+        la.Problem(bodies, supports=held), 0.05, 1, "explicit", tools={"wedge": tool}
+    )
+    assert path.history.force.iloc[0] > 0.1
+    (face,) = path.stage.obstacles_at(path.snapshots[-1].configuration)
+    body = path.stage.bodies_at(path.snapshots[-1].configuration)["soil"]
+    edge = int(np.argmin(np.abs(mesh_middles(body) - 1.25)))
+    tip = face.shape.corners[1, 0]
+    curves = body.curves(np.asarray(body.mesh.boundaries["top"]))
+    assert curves.middle[1, edge] <= tip + 1e-9
+
+
+def mesh_middles(body):
+    return body.curves(np.asarray(body.mesh.boundaries["top"])).middle[0]
+
+
+TOP = ("block", "top")
+WRONG = {
+    "shape": (lambda: la.Tool("wedge", TOP), r"Tool.shape = 'wedge': not a shape; give la.shapes"),
+    "touches": (lambda: la.Tool(UPPER, "top"), r"Tool.touches = 'top': not a boundary"),
+    "velocity": (lambda: la.Tool(UPPER, TOP, velocity=1), "Tool.velocity = 1: not a velocity"),
+    "turn": (lambda: la.Tool(UPPER, TOP, turn="left"), "Tool.turn = 'left': not an angle"),
+    "about": (lambda: la.Tool(UPPER, TOP, about=3), "Tool.about = 3: not a point"),
+    "friction": (lambda: la.Tool(UPPER, TOP, friction=-1), "Tool.friction"),
+    "angle": (lambda: la.shapes.wedge((0, 0), 90), "half_angle = 90: not an angle between 0 and"),
+    "radius": (lambda: la.shapes.disc((0, 0), 0), "radius = 0: not a positive number"),
+    "normal": (lambda: la.shapes.plane((0, 0), (0, 0)), "normal = .*: not a direction"),
+    "corners": (lambda: la.shapes.outline([(0, 0), (1, 0)]), "fewer than 3 corners"),
+    "crossing": (
+        lambda: la.shapes.outline([(0, 0), (2, 1), (1, 0), (0, 1)]),
+        "not a polygon: Self-intersection",
+    ),
+    "rounding": (
+        lambda: la.shapes.outline([(0, 0), (1, 0), (0, 1)], rounding=0.5),
+        "the roundings take .* more than the edge from",
+    ),
+}
+
+
+@pytest.mark.parametrize(("made", "message"), WRONG.values(), ids=WRONG)
+def test_what_a_tool_cannot_be(made, message):
+    with pytest.raises(la.InputError, match=message):
+        made()
+
+
+def tool(shape=UPPER, touches=TOP, velocity=(0, -1), **more):
+    return la.Tool(shape, touches, velocity, **more)
+
+
+DISC = la.shapes.disc((0.5, 1), 0.5)
+REFUSED = {
+    "deep": (
+        {"up": tool(la.shapes.plane((0, 0.45), (0, -1)))},
+        r"tools\['up'\] = .*overlaps body 'block' by 0.05 m near .*move the tool away",
+    ),
+    "corner": (
+        {"up": tool(la.shapes.wedge((0.3, 0.45), 5))},
+        r"overlaps body 'block' by 0.05 m near \(0.3, 0.45\)",
+    ),
+    "tools": (
+        {"up": tool(DISC), "two": tool(la.shapes.disc((0.6, 1.2), 0.5))},
+        r"tools\['two'\] = .*overlaps tool 'up' by 0.22",
+    ),
+    "boundary": ({"up": tool(touches=("block", "tpo"))}, "no boundary .* did you mean 'top'"),
+    "body": ({"up": tool(touches=("blok", "top"))}, "no deformable body .* did you mean 'block'"),
+    "rest": ({"up": tool(velocity=(0, 0))}, "no tool moves, .* so nothing drives the path"),
+    "name": ({"block": tool()}, "tools = 'block': a body has this name"),
+    "kind": ({"up": UPPER}, r"tools\['up'\] = .*: not a tool; give lacore.Tool"),
+}
+
+
+@pytest.mark.parametrize(("tools", "message"), REFUSED.values(), ids=REFUSED)
+def test_what_a_path_does_not_begin_with(tools, message):
+    with pytest.raises(la.InputError, match=message):
+        pressed(tools, problem=_clamped())
+
+
+def test_tools_drive_in_place_of_loads_and_by_their_own_velocity():
+    loaded = la.Problem(block().bodies, [la.Pressure("block", "top")])
+    with pytest.raises(la.InputError, match=r"reference loads, too.*dead_loads"):
+        pressed(closing(), problem=loaded)
+    with pytest.raises(la.InputError, match=r"not the velocity of a lacore.Tool.*leave out the"):
+        pressed(closing(), control=la.ToolTravel({"up": (0, -3)}))
+    with pytest.raises(la.InputError, match=r"or tools=\{'name': lacore.Tool"):
+        pressed({}, problem=la.Problem(block().bodies, [la.Pressure("block", "top")]))
+
+
+def test_a_path_ends_where_tools_lose_contact_or_lock():
+    away = pressed({"up": tool(velocity=(0, 1))}, problem=_clamped())
+    assert away.status is Ending.NO_CONTACT
+    assert "'up'" in away.message
+    walls = [la.Fix("block", side) for side in ("bottom", "left", "right")]
+    locked = pressed({"up": tool()}, problem=la.Problem(block().bodies, supports=walls))
+    assert locked.status is Ending.LOCKED
+    assert "'up' on block.top" in locked.message
+
+
 @pytest.mark.slow
 def test_pictures_show_tools(tmp_path):
     path = pressed(closing())
