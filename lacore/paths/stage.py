@@ -289,7 +289,7 @@ def staged(
     meets |= {name: np.arange(block.edges.block.size) for name, block in shaped.items()}
     every: dict[str, PlaneBody] = {**bodies, **rigid}
     ready = ProblemOnPath(
-        MappingProxyType(every), driven or reference, supports, bonded, dead, meets, drives
+        MappingProxyType(every), driven or reference, supports, bonded, dead, meets, drives or {}
     )
     _check_tied(ready)
     return Stage(
