@@ -117,10 +117,11 @@ def accuracies(results: pd.DataFrame) -> pd.DataFrame:
     """
     certified = SOLVED_BY["certificate"](results) & ~says(results, "verdict", SKIPPED)
     good = results[certified & np.isfinite(numbers(results, "solve_time"))]
-    return good.assign(error=np.abs(numbers(good, "error")), residual=_largest_residuals(good))
+    return good.assign(error=np.abs(numbers(good, "error")), residual=largest_residuals(good))
 
 
-def _largest_residuals(results: pd.DataFrame) -> Floats:
+def largest_residuals(results: pd.DataFrame) -> Floats:
+    """Return the largest of the columns ``residual_*`` of each row, NaN without any."""
     names = with_prefix(results, "residual_")
     columns = [np.nan_to_num(np.abs(numbers(results, name)), nan=-inf) for name in names]
     largest = np.max(columns, axis=0) if columns else np.full(len(results), -inf)

@@ -53,28 +53,35 @@ def read_settings(texts: Sequence[str]) -> dict[str, list[dict[str, Any]]]:
 
     Args:
         texts: ``NAME.option=value``, several separated by commas. An option that is given again
-            begins another setting of its backend.
+            begins another setting of its backend. A further value, as in
+            ``NAME.option=value,value``, repeats the setting before with that value.
 
     Raises:
         InputError: an unknown backend or option, or a value that the backend does not take.
         CapabilityError: the backend cannot be loaded.
     """
     found: dict[str, list[dict[str, Any]]] = {}
-    for name, option, value in _assignments(texts):
+    for name, option, value, further in _assignments(texts):
         settings = found.setdefault(name, [{}])
         if option in settings[-1]:
-            settings.append({})
+            settings.append(dict(settings[-1]) if further else {})
         settings[-1][option] = value
     return {name: _distinct(name, settings) for name, settings in found.items()}
 
 
-def _assignments(texts: Sequence[str]) -> Iterator[tuple[str, str, Any]]:
-    for part in (part.strip() for text in texts for part in text.split(",")):
-        place, equals, value = (piece.strip() for piece in part.partition("="))
-        name, dot, option = place.rpartition(".")
-        if not (equals and dot and name and option and value):
-            raise InputError(_FIELD, part, "is no option of a backend with its value", _FORM)
-        yield name, option, _value(name, option, value)
+def _assignments(texts: Sequence[str]) -> Iterator[tuple[str, str, Any, bool]]:
+    """Yield backend, option and value, and whether that is a further value of the same option."""
+    for text in texts:
+        name = option = ""
+        for part in map(str.strip, text.split(",")):
+            place, equals, value = (piece.strip() for piece in part.partition("="))
+            if equals:
+                name, _, option = place.rpartition(".")
+            else:  # a further value of the option before
+                value = place
+            if not (name and option and value):
+                raise InputError(_FIELD, part, "is no option of a backend with its value", _FORM)
+            yield name, option, _value(name, option, value), not equals
 
 
 def _value(name: str, option: str, text: str) -> Any:

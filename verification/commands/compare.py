@@ -65,7 +65,8 @@ if TYPE_CHECKING:
     metavar="NAME.OPTION=VALUE",
     help="Change an option of the backend NAME; separate several by commas. Can be given several"
     " times. An option that is given again begins another setting of the backend, and all settings"
-    " are compared. Brackets ignore it.",
+    " are compared. NAME.OPTION=VALUE,VALUE,... compares several values of one option; the report"
+    " draws three or more of them as a curve of accuracy against time. Brackets ignore it.",
 )
 @out_option("reports/compare", "Folder for the results and the report, index.html.")
 @click.option(
@@ -123,7 +124,7 @@ def compare(
       lacore compare prandtl-punch deformable-block:sliding --backends clarabel
       lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
       lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
-      lacore compare prandtl-punch --option clarabel.tolerance=1e-6 --option clarabel.tolerance=1e-9
+      lacore compare prandtl-punch --option clarabel.tolerance=1e-2,1e-4,1e-6,1e-8
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
     from verification import analysis, progress

@@ -71,12 +71,25 @@ def test_brackets_choose_their_options():
         ("clarabel.tolerance=-1", r"clarabel.tolerance = -1.0: not a positive number"),
         ("clarabel.tolerance", "write NAME.OPTION=VALUE"),
         ("clarabel=1", "write NAME.OPTION=VALUE"),
+        ("1e-6,clarabel.tolerance=1e-4", "write NAME.OPTION=VALUE"),
+        ("clarabel.tolerance=1e-6,", "write NAME.OPTION=VALUE"),
+        ("clarabel.tolerance=1e-6,much", "much"),
         ("newton.tolerance=1e-6", r"no run here; add it: --backends newton"),
     ],
 )
 def test_what_cannot_be_right_is_named(text, match):
     with pytest.raises(la.InputError, match=match):
         with_options(planned(), [text])
+
+
+def test_further_values_of_an_option_repeat_the_setting_before():
+    found = read_settings(["clarabel.max_iterations=50,clarabel.tolerance=1e-2,1e-4, 1e-10"])
+    changed = {"max_iterations": 50}
+    assert found["clarabel"] == [
+        {**changed, "tolerance": 1e-2},
+        {**changed, "tolerance": 1e-4},
+        changed,
+    ]
 
 
 def rows(options):

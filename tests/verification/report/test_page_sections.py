@@ -10,7 +10,9 @@ from tests.verification.report.test_page import HOSTILE, Parsed, rendered
 from verification.report.blocks import Details, Document, Gallery, Section
 from verification.report.charts.lines import with_lines
 from verification.report.limit_state import results_table
+from verification.report.studies import single_solves
 from verification.report.studies.convergence import refinement_section, regularisation_section
+from verification.report.studies.single_solves import single_solves_section
 from verification.report.studies.solvers import effort_section, solvers_section
 from verification.report.tables import certificates_table, reasons_table
 
@@ -135,3 +137,44 @@ def test_any_name_can_be_in_results(name):
     assert page.tags.count("script") == 1
     assert "img" not in page.tags
     assert len(page.ids) == len(set(page.ids))
+
+
+def solved_once(**names):
+    """Two backends that gain a digit for each tenth of a second."""
+    return pd.DataFrame(
+        [
+            row(f"{backend}-{k}-{names}", backend=backend, option_tolerance=10.0**-k, gap=10.0**-k,
+                residual_gap=10.0**-k, solve_time=start + k / 10, **names)
+            for backend, start in (("fast", 0.0), ("slow", 1.0))
+            for k in (1, 2, 4, 8)
+        ]
+    )  # fmt: skip
+
+
+def test_several_tolerances_are_a_curve_of_accuracy_against_time():
+    section = single_solves_section(solved_once())
+    gap, residual = drawings(section)
+    assert gap.caption == "made:up, coarse mesh: certificate gap"
+    assert residual.caption == "made:up, coarse mesh: largest residual of the certificate"
+    (axes,) = gap.chart.figure.axes
+    assert [line.get_label() for line in axes.get_lines()] == ["fast", "slow"]
+    for line in axes.get_lines():
+        times, gaps = line.get_data()
+        assert list(gaps) == sorted(gaps)
+        assert list(times) == sorted(times, reverse=True)
+    assert "tolerance" in gap.chart.tips[0].text
+    (details,) = [block for block in section.blocks if isinstance(block, Details)]
+    (table,) = details.blocks
+    assert len(table.data) == 8
+
+
+def test_two_tolerances_are_no_curve():
+    assert single_solves_section(solved_once().iloc[[0, 1]]) is None
+
+
+def test_the_largest_problems_are_drawn(monkeypatch):
+    monkeypatch.setattr(single_solves, "MOST", 1)
+    both = pd.concat([solved_once(), solved_once(mesh="fine", n_dofs=400)], ignore_index=True)
+    section = single_solves_section(both)
+    assert [item.caption.split(":")[1] for item in drawings(section)] == ["up, fine mesh"] * 2
+    assert any("1 smaller problem" in getattr(block, "text", "") for block in section.blocks)

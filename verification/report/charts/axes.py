@@ -62,7 +62,13 @@ SOLVE_TIME = Axis("solve_time", "solve time [s]")
 
 
 def curves(
-    data: pd.DataFrame, x: Axis, y: Axis, *, by: str = "backend", tip: Sequence[str] = ()
+    data: pd.DataFrame,
+    x: Axis,
+    y: Axis,
+    *,
+    by: str = "backend",
+    tip: Sequence[str] = (),
+    along: Axis | None = None,
 ) -> Chart:
     """Markers, joined by lines in the order of `x`: convergence without a fit, cost, iterations.
 
@@ -71,8 +77,11 @@ def curves(
         x, y: the axes; of `y` the absolute value is shown on a logarithmic axis.
         by: column that tells the lines apart; its values are the legend.
         tip: more columns to show under the pointer.
+        along: Axis in whose order lines join the markers, if that is not `x`.
     """
     shown, left_out = _drawable(data, x, y)
+    if along is not None:
+        shown = shown.sort_values(along.column, kind="stable")
     with styled():
         figure, axes = figure_axes()
         tips = _markers(axes, shown, x, y, by, tip, {}, "-")
@@ -192,7 +201,10 @@ def figure_axes() -> tuple[Figure, Axes]:
 
 
 def _drawable(data: pd.DataFrame, x: Axis, y: Axis) -> tuple[pd.DataFrame, int]:
-    """Rows that can be drawn, signs dropped on a logarithmic y; and how many others there are."""
+    """Return the rows that can be drawn, in the order of `x`, and the number of the others.
+
+    On a logarithmic axis `y`, signs are dropped.
+    """
     numbers = data.assign(
         **{axis.column: data[axis.column].to_numpy(dtype=float, na_value=nan) for axis in (x, y)},
     )
@@ -202,7 +214,7 @@ def _drawable(data: pd.DataFrame, x: Axis, y: Axis) -> tuple[pd.DataFrame, int]:
     for axis in (x, y):
         if axis.log:
             keep &= numbers[axis.column] > 0
-    return numbers[keep], int((~keep).sum())
+    return numbers[keep].sort_values(x.column, kind="stable"), int((~keep).sum())
 
 
 def _colours(data: pd.DataFrame, by: str) -> list[tuple[str, str]]:
@@ -224,7 +236,7 @@ def _markers(
     """Draw a line for each value of `by`, with `words` behind its name in the legend."""
     tips = []
     for number, (colour, name) in enumerate(_colours(data, by)):
-        own = data[data[by].astype(str) == name].sort_values(x.column)
+        own = data[data[by].astype(str) == name]
         axes.plot(
             own[x.column],
             own[y.column],

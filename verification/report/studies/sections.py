@@ -15,6 +15,7 @@ from verification.report.studies.convergence import (
     regularisation_section,
     steps_section,
 )
+from verification.report.studies.single_solves import single_solves_section
 from verification.report.studies.solvers import (
     accuracy_blocks,
     effort_section,
@@ -41,7 +42,7 @@ _LEAST = 1.0  # s, that an unsolved problem counts in means of quick ones
 
 
 def studies(results: pd.DataFrame) -> list[Section]:
-    """Sections on regularisation, extrapolation, refinement, steps, and what accuracy costs."""
+    """Sections on regularisation, extrapolation, refinement, steps, and the cost of accuracy."""
     ran = results[results["verdict"] != SKIPPED]
     if not len(ran):
         return []
@@ -50,6 +51,7 @@ def studies(results: pd.DataFrame) -> list[Section]:
         _extrapolation(ran),
         refinement_section(ran),
         steps_section(ran),
+        single_solves_section(ran),
         _efforts(ran),
     ]
     return [section for section in sections if section is not None]

@@ -179,7 +179,7 @@ def accuracy_blocks(results: pd.DataFrame) -> list[Block]:
         Drawing(
             f"{axis.column}-time",
             title,
-            axes.scatter(_with_floor(found, axis.column), axes.SOLVE_TIME, axis, tip=tip),
+            axes.scatter(with_floor(found, axis.column), axes.SOLVE_TIME, axis, tip=tip),
             f"{note} Values below {FLOOR:g} are drawn at {FLOOR:g}. Only runs that a backend"
             " answered itself are shown.",
         )
@@ -219,7 +219,8 @@ _MEANS_NOTE = (
 )
 
 
-def _with_floor(found: pd.DataFrame, column: str) -> pd.DataFrame:
+def with_floor(found: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Return rows in which the values of a column are at least `FLOOR`."""
     values = found[column].to_numpy(dtype=float, na_value=np.nan)
     return found.assign(**{column: np.maximum(values, FLOOR)})
 
