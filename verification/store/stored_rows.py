@@ -59,7 +59,8 @@ _IDENTITY: Mapping[str, type] = {
 _OF_LOOPS = {"inner_status", "inner_iterations", "solve_time", "peak_memory"}
 _OF_BRACKETS = {entry.name for entry in fields(Step)}
 _OF_RANGES = {"status", "load_factor", "gap", "solves"}
-_OF_PATHS = {*(entry.name for entry in fields(PathStep)), "exact"}
+_SINCE_0_4 = {"overlap"}  # of paths; results of earlier versions can be read without it
+_OF_PATHS = {*(entry.name for entry in fields(PathStep)), "exact"} - _SINCE_0_4
 
 
 class WrongFieldError(ValueError):

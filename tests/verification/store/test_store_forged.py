@@ -17,6 +17,7 @@ import pytest
 import lacore as la
 from tests.conftest import ROOT
 from tests.verification.command_line import run_in_order
+from verification.campaigns import comparison
 from verification.campaigns.run_all import run_all
 from verification.campaigns.sweep import plan
 from verification.case import Variant
@@ -257,3 +258,16 @@ def test_variants_are_found_again(original):
     """Sound rows are read as they were, with their cases."""
     outcomes = looked_at(original, gather())
     assert [type(outcome.run.variant) for outcome in outcomes] == [Variant] * 3
+
+
+def test_paths_of_earlier_versions_can_be_read(tmp_path):
+    """Their histories do not state by how much bodies overlap."""
+    path = tmp_path / NAME
+    runs = comparison.plan(["upsetting:smooth-perfect"], ["clarabel"], ["coarse"])
+    run_all(runs, path, executor=run_in_order)
+    record = record_of(path)
+    history = json.loads(record["history"])
+    rows = [{name: own for name, own in row.items() if name != "overlap"} for row in history]
+    assert len(rows[0]) == len(history[0]) - 1
+    forge(path, record, {**record, "history": json.dumps(rows)}, sealed=True)
+    assert len(entries(path)) == 1
