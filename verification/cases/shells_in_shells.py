@@ -22,7 +22,7 @@ change its shape at nearly the same pressure (T32); friction holds the shells to
 from math import pi
 
 import lacore as la
-from verification.case import SOLVER, Band, Case, Reference, Variant
+from verification.case import SOLVER, Band, Case, First, Reference, Variant
 from verification.case.following import Following, last_load
 from verification.cases import thick_sphere
 from verification.cases.hardening_sphere import TRAVEL
@@ -125,14 +125,16 @@ linear-3:     a = 1: {pressure(_WHOLE, 1.0):.6f}, a = 1.5: {pressure(_WHOLE, 1.5
     path=path,
     variants=tuple(
         Variant(
-            f"{law}-{'matching' if outer == 8 else 'non-matching'}-{slave}",
-            {"law": law, "outer": outer, "slave": slave, "steps": 20, "scheme": "leapfrog"},
+            name,
+            {"law": "linear-3", "outer": outer, "slave": slave, "steps": n, "scheme": "leapfrog"},
             meshes=("coarse",),
         )
-        for law, outer, slave in (
-            ("linear-3", 8, "inner"),
-            ("linear-3", 6, "inner"),
-            ("linear-3", 6, "outer"),
+        for name, outer, slave, n in (
+            ("linear-3-matching-inner", 8, "inner", 20),
+            ("linear-3-non-matching-inner", 6, "inner", 20),
+            ("linear-3-non-matching-outer", 6, "outer", 20),
+            ("10-steps", 6, "inner", 10),
         )
     ),
+    first=First(variant="10-steps"),
 )

@@ -19,7 +19,7 @@ elements of the two do not match, and their vertices pass each other along the p
 from math import log, nan, sqrt
 
 import lacore as la
-from verification.case import Band, Case, Reference, Variant
+from verification.case import Band, Case, First, Reference, Variant
 from verification.case.following import Following, Reading, last_load
 from verification.cases.shared.exact_paths import strip_force
 from verification.cases.shared.hardening_laws import LAWS
@@ -120,15 +120,17 @@ h = {_PRESSED:g} H:   eb = {-2 / sqrt(3) * log(_PRESSED):.6f}
     path=path,
     variants=tuple(
         Variant(
-            f"{law}-mu-{mu:g}-{slave}",
-            {"law": law, "mu": mu, "slave": slave, "steps": 4, "scheme": "implicit-midpoint"},
+            name,
+            {"law": law, "mu": mu, "slave": slave, "steps": steps, "scheme": "implicit-midpoint"},
             meshes=("coarse",),
         )
-        for law, mu, slave in (
-            ("linear-3", 0.0, "lower"),
-            ("linear-3", 0.2, "lower"),
-            ("linear-3", 0.2, "upper"),
-            ("voce", 0.2, "upper"),
+        for name, law, mu, slave, steps in (
+            ("linear-3-mu-0-lower", "linear-3", 0.0, "lower", 4),
+            ("linear-3-mu-0.2-lower", "linear-3", 0.2, "lower", 4),
+            ("linear-3-mu-0.2-upper", "linear-3", 0.2, "upper", 4),
+            ("voce-mu-0.2-upper", "voce", 0.2, "upper", 4),
+            ("1-step", "linear-3", 0.0, "lower", 1),
         )
     ),
+    first=First(variant="1-step"),
 )
