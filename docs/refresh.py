@@ -196,10 +196,13 @@ OF_GUIDE = {
     "plate.png": ("structures", "state"),
     "bridge.png": ("bridge", "governing"),
     "upset.png": ("forming", "rough"),
+    "round-die.png": ("two-bodies", "bent"),
     "square-section.png": ("solids", "cut"),
     "dome.png": ("domes", "state"),
 }
 """Pictures of the guide: the page, and the name of the figure, or of what is plotted."""
+ANIMATIONS = {"wedge.gif": ("two-bodies", "path")}
+"""Animations of the guide: the page, and the name of the path."""
 
 
 def picture_of_guide(picture: str, page: str, drawn: str) -> Figure:
@@ -210,6 +213,12 @@ def picture_of_guide(picture: str, page: str, drawn: str) -> Figure:
         page: name of the page.
         drawn: name of a figure in the code, or of what is plotted.
     """
+    thing = thing_of_guide(picture, page, drawn)
+    return thing if isinstance(thing, Figure) else thing.plot()
+
+
+def thing_of_guide(picture: str, page: str, drawn: str) -> Any:
+    """Return what the code of a page of the guide has under a name where it draws a picture."""
     text = (ROOT / "docs" / "guide" / f"{page}.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     (last,) = [number for number, code in enumerate(blocks) if f'"{picture}"' in code]
@@ -217,8 +226,7 @@ def picture_of_guide(picture: str, page: str, drawn: str) -> Figure:
         names: dict[str, Any] = {}
         for code in blocks[: last + 1]:
             exec(code, names)
-    thing = names[drawn]
-    return thing if isinstance(thing, Figure) else thing.plot()
+    return names[drawn]
 
 
 def write_table() -> None:
@@ -237,6 +245,8 @@ def write_pictures() -> None:
         draw().savefig(ROOT / "docs" / f"{name}.png", dpi=110, bbox_inches="tight")
     for name, (page, drawn) in OF_GUIDE.items():
         picture_of_guide(name, page, drawn).savefig(ROOT / "docs" / name, dpi=80)
+    for name, (page, drawn) in ANIMATIONS.items():
+        thing_of_guide(name, page, drawn).animate(ROOT / "docs" / name, dpi=55)
 
 
 PARTS = {"table": write_table, "times": write_times, "pictures": write_pictures}

@@ -32,6 +32,7 @@ _EXAMPLES = {
         ("portal.png", "Portal frame on sliding feet", "../guide/structures"),
         ("plate.png", "Plate with a hole", "../guide/structures"),
         ("upset.png", "Block pressed to half its height", "../guide/forming"),
+        ("round-die.png", "Two blocks under a round die", "../guide/two-bodies"),
         ("billet.png", "Upsetting of a billet", "../guide/large-deformation"),
     )
 }
