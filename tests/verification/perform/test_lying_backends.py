@@ -3,11 +3,14 @@
 import re
 from math import isfinite
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import lacore as la
 from tests.lacore.models import deformable_block
 from tests.lying_backends import LIES, Undescribed, Untidy, register
+from verification.analysis.noise import noise
 from verification.campaigns.comparison import plan
 from verification.perform.processes import run_in_processes
 from verification.verdicts.words import FAIL, PASS, SKIPPED
@@ -117,3 +120,28 @@ def test_a_comparison_passes_no_lie_and_honest_backends_do_not_notice(folder):
     for name in UNDESCRIBED:
         assert together[name].verdict == SKIPPED, name
         assert re.search(LIES[name].message, together[name].message), together[name].message
+
+
+TROUBLE = ("LeavesThreads", "LeavesAProcess", "ChangesTheInterpreter", "PatchesNumPy")
+"""Those that may slow down what runs after them."""
+
+
+def timed(names):
+    """Rows of the block with several friction coefficients, one run at a time."""
+    runs = plan([f"deformable-block:mu-0.{tenth}" for tenth in (1, 2, 3, 4, 6, 7, 8)], names)
+    outcomes = run_in_processes([run for run in runs if run.mesh == "coarse"], time_limit=60.0)
+    return pd.DataFrame([outcome.row.record() for outcome in outcomes])
+
+
+@pytest.mark.slow
+def test_times_of_an_honest_backend_next_to_lies_are_unchanged_within_noise(folder):
+    """The noise is the scatter of the calibrations in both runs."""
+    alone, together = timed(["clarabel"]), timed([*TROUBLE, "clarabel"])
+    found = noise(pd.concat([alone, together]))
+    assert found.count >= 10
+    ours = together[together.backend == "clarabel"]
+    assert set(ours.verdict) == set(alone.verdict) == {PASS}
+    for name in ("solver_time", "solve_time"):
+        before, after = (frame.set_index("variant")[name].astype(float) for frame in (alone, ours))
+        ratio = np.exp(np.log(after / before).median())
+        assert 1 / found.factor < ratio < found.factor, (name, ratio, found)
