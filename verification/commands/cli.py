@@ -131,8 +131,8 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
     from verification import conformance
     from verification.commands import doctor, tables
 
-    ready = [name for name, _, missing in doctor.all_backends() if not missing]
-    names = list(dict.fromkeys(backends or ready))
+    named = backends or (name for name, _, missing in doctor.all_backends() if not missing)
+    names = list(dict.fromkeys(named))
     for name in names:  # reports a mistyped name before any backend runs
         la.find_backend(name)
     rows: list[dict[str, Any]] = []
