@@ -52,7 +52,9 @@ class SolverWorker:
                 raise TypeError(f"{target} has no variants")
             backend = backend.variant(variant)
         self._backend = backend
-        return describe(backend)
+        about = describe(backend)
+        self._idle_from_now()
+        return about
 
     def warm_up(self) -> bool:
         """Let the backend compile, see `WarmsUp`; return whether it has anything to compile."""
@@ -63,11 +65,13 @@ class SolverWorker:
             backend.warm_up()
         except Exception as error:
             raise RuntimeError(f"warm_up() raised {type(error).__name__}: {error}") from error
+        self._idle_from_now()
         return True
 
     def check_options(self, values: dict[str, Any]) -> None:
         """Let the backend look at options; it raises `InputError` for values out of range."""
         self._own.Options(**values)
+        self._idle_from_now()
 
     def prepare(self, number: int, program: KinematicProgram, values: dict[str, Any]) -> None:
         """Prepare a program, which the backend can only read."""
@@ -110,10 +114,11 @@ class SolverWorker:
         backend = self._own
         assert isinstance(backend, Writes)
         backend.writers[ending](program, contact, Path(path))
+        self._idle_from_now()
 
     def rest(self) -> str:
         """What the backend has left running; empty if nothing. Idling begins here."""
-        self._rest = time.perf_counter(), time.process_time()
+        self._idle_from_now()
         threads = [thread.name for thread in set(threading.enumerate()) - self._threads]
         found = []
         if threads:
@@ -121,6 +126,10 @@ class SolverWorker:
         if names := _children():
             found.append(f"{len(names)} child processes ({', '.join(sorted(names)[:4])})")
         return " and ".join(found)
+
+    def _idle_from_now(self) -> None:
+        """Begin to count what the process computes while nothing is asked of it."""
+        self._rest = time.perf_counter(), time.process_time()
 
     def was_busy(self) -> bool:
         """Whether the process computed while nothing was asked of it, as native threads may."""

@@ -9,7 +9,8 @@ import backends.auto
 import backends.interior_point
 import lacore as la
 from lacore.solvers.compilation import SolveClock, compiling
-from tests.broken_backends import COMPILE, plant
+from lacore.solvers.solver_worker import SolverWorker
+from tests.broken_backends import COMPILE, Works, plant
 from tests.lacore.models import punch
 
 
@@ -95,3 +96,28 @@ def test_backends_of_lacore_compile_outside_of_the_solve_time(monkeypatch, name)
     assert first.solve_time <= whole - first.compile_time
     assert first.history["solve_time"].sum() <= first.solve_time
     assert second.compile_time == 0.0
+
+
+class ComputesWhileItCompiles(Works):
+    """One second of both clocks, of which it uses a processor all the time."""
+
+    def warm_up(self):
+        CLOCKS["perf_counter"] += 1.0
+        CLOCKS["process_time"] += 1.0
+
+
+CLOCKS = {"perf_counter": 0.0, "process_time": 0.0}
+
+
+def test_compilation_is_not_taken_for_threads_that_were_left_behind(monkeypatch):
+    """A process that is replaced for them would compile again."""
+    for name in CLOCKS:
+        monkeypatch.setattr(time, name, lambda name=name: CLOCKS[name])
+    worker = SolverWorker()
+    worker.open(f"{__name__}:ComputesWhileItCompiles", "")
+    worker.warm_up()
+    CLOCKS["perf_counter"] += 0.5
+    assert not worker.was_busy()
+    CLOCKS["perf_counter"] += 1.0
+    CLOCKS["process_time"] += 1.0
+    assert worker.was_busy()
