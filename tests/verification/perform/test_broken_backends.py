@@ -20,9 +20,10 @@ from verification.verdicts.words import FAIL, PASS, SKIPPED
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 ROOT = Path(__file__).parents[3]
+CASE = "shear-patch:sliding"
 GOOD = ["Works", "Talks", "AnswersAtLength", "TakesMemory", "CompilesSlowly"]
 BROKEN = {
-    "SleepsInPrepare": ("time limit", r"had not come back after 3 s and was stopped"),
+    "SleepsInPrepare": ("time limit", r"had not come back after 5 s and was stopped"),
     "Sleeps": ("time limit", r"had not come back"),
     "HoldsTheInterpreter": ("time limit", r"had not come back"),
     "IgnoresSignals": ("time limit", r"had not come back"),
@@ -70,11 +71,10 @@ def compared(request, tmp_path_factory):
     outcomes = []
     with marked() as mark, pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(folder))
-        for names, limit in ((hanging, 1.0), (others, 60.0)):
-            runs = {
-                run.backend: run
-                for run in plan(["shear-patch:sliding"], [*names, "clarabel"], ["coarse"])
-            }
+        # Of the short one a run that works needs a fifth, so that it ends on a busy machine, too.
+        for names, limit in ((hanging, 3.0), (others, 60.0)):
+            planned = plan([CASE], [*names, "clarabel"], ["coarse"], ["certified"])
+            runs = {run.backend: run for run in planned}
             order = [runs[each] for name in names for each in (name, "clarabel")]
             outcomes += run_in_processes(order, jobs=2, time_limit=limit)
         # Those that solved end by themselves as soon as nobody can ask them any more.
@@ -127,7 +127,7 @@ def test_what_a_run_prints_is_in_its_log(compared, name):
 def test_the_next_backend_is_none_the_worse(compared):
     rows = [outcome.row for outcome in compared[0] if outcome.row.backend == "clarabel"]
     assert len(rows) == len(compared[0]) / 2 >= 1
-    assert {row.verdict for row in rows} == {PASS}
+    assert {row.verdict for row in rows} == {PASS}, [row.message for row in rows]
     assert len({row.load_factor for row in rows}) == 1
 
 
@@ -171,8 +171,9 @@ def started(tmp_path):
     results = tmp_path / "out" / NAME
 
     def start(backend, time_limit):
-        command = [sys.executable, "-m", "verification", "compare", "shear-patch:sliding"]
+        command = [sys.executable, "-m", "verification", "compare", CASE]
         command += ["--backends", f"clarabel,{backend}", "--meshes", "coarse"]
+        command += ["--couplings", "certified"]  # one run of each backend
         command += ["--time-limit", str(time_limit), "--out", str(results.parent), "--jobs", "1"]
         process = subprocess.Popen(
             command,
