@@ -36,8 +36,8 @@ class Followed:
 
     @property
     def good(self) -> bool:
-        """Whether the travel is reached; the load of each step is certified."""
-        return self.path.status is Ending.REACHED
+        """Whether it came to its end; the load of each step is certified."""
+        return self.path.status in (Ending.REACHED, Ending.STEADY)
 
 
 @dataclass

@@ -1,6 +1,7 @@
 """The result of `lacore solve` of a file with a path: on the terminal, as a report, as JSON."""
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -195,6 +196,8 @@ def document(stated: Stated, found: Followed, page: Path | None) -> dict[str, An
     """All numbers of a path, and where its files are; a history in the units of the file."""
     path, units = found.path, stated.units
     table, _ = history_in(stated, path)
+    last = path.last
+    certificate = None if last is None else last.certificate
     return {
         "title": stated.title,
         "file": str(stated.source.file),
@@ -202,6 +205,8 @@ def document(stated: Stated, found: Followed, page: Path | None) -> dict[str, An
         "message": _in_words(path.message, units),
         "history": table.to_dict("records"),
         "events": path.events.to_dict("records"),
+        "certificate": None if certificate is None else asdict(certificate),
+        "tolerance": None if last is None else last.tolerance,
         "backend": found.backend,
         "seconds": found.seconds,
         "page": None if page is None else str(page),

@@ -34,6 +34,7 @@ from lacore.paths.pace import AdaptiveSteps
 from lacore.paths.renewal.mesher import Remeshing
 from lacore.paths.selection import LeastNorm
 from lacore.paths.sequential import sequential
+from lacore.paths.steady import Steady
 from lacore.paths.tools.tool import Tool
 from lacore.problem.problem import Problem
 
@@ -105,6 +106,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.AdaptiveSteps": AdaptiveSteps,
     "la.LeastNorm": LeastNorm,
     "la.Remeshing": Remeshing,
+    "la.Steady": Steady,
     "la.Tool": Tool,
     "la.shapes.wedge": shapes.wedge,
     "la.shapes.disc": shapes.disc,

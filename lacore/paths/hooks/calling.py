@@ -83,7 +83,7 @@ class Caller:
             try:
                 hook.call(now)
             except Exception as error:
-                reached = path.status is Ending.REACHED
+                reached = path.status in (Ending.REACHED, Ending.STEADY)
                 status = Ending.STOPPED if reached else path.status
                 label = f"{status.label}: " if reached else f"{path.message}; "
                 path = replace(path, status=status, message=label + _described(hook, END, error))

@@ -107,6 +107,7 @@ def test_json_of_a_path(bar, tmp_path):
     assert [row["step"] for row in document["history"]] == [1, 2, 3]
     assert document["history"][0]["travel"] == pytest.approx(1)  # mm
     assert document["units"]["length"] == "mm"
+    assert max(document["certificate"].values()) <= document["tolerance"]
 
 
 def test_a_path_that_ends_early_says_why_and_keeps_its_steps(bar, tmp_path):
@@ -196,6 +197,15 @@ def test_no_footing_and_no_control(bar, tmp_path):
     assert 'path: the reference load is not one load = "rigid-footing"; give control =' in (
         result.stderr
     )
+
+
+def test_a_path_may_end_in_a_steady_state(bar, tmp_path):
+    """The force changes by less than the given tolerance."""
+    file = bar(("steps = 3", "steps = 20\nuntil = { tolerance = 0.9, flow = 0.9 }"))
+    assert read(file).path["until"] == la.Steady(tolerance=0.9, flow=0.9)
+    result = lacore("solve", file, "--out", tmp_path / "out", rendered=False)
+    assert result.exit_code == 0, result.output
+    assert re.search(r"path +\d+ steps to a travel of [\d.]+ mm, steady: ", result.stdout)
 
 
 def test_read_problem_ignores_the_path(bar):

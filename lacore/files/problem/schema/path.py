@@ -114,6 +114,18 @@ class Remeshing(Entry):
     """Ratio of the quality of an element to that at first, below which it is replaced."""
 
 
+class Steady(Entry):
+    """When load and flow count as stationary: the path ends then."""
+
+    maker: ClassVar[str] = "la.Steady"
+    tolerance: Number | None = None
+    """Of the drift of the load, per mean load; 0.01 if left out."""
+    window: Length | None = None
+    """Part of the travel that is looked at; the last third if left out."""
+    flow: Number | None = None
+    """Largest difference of the velocities, per norm; 0.1 if left out."""
+
+
 @dataclass(frozen=True)
 class _Travel(Measure):
     """A length, or a time where that is what the control measures."""
@@ -153,6 +165,7 @@ class PathOf(Entry):
     scheme: Literal["leapfrog", "explicit", "implicit-midpoint", "implicit-euler"] | None = None
     selection: LeastNorm | None = None
     remesh: Remeshing | None = None
+    until: Steady | None = None
     approaching: tuple[Interface, ...] = ()
     """Interfaces whose sides do not touch yet."""
     keep_every: Count | None = None
