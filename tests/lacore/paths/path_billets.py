@@ -1,6 +1,7 @@
 """Small billets that tests press: as a program too, for those that are killed at it.
 
-``python -m tests.lacore.paths.path_billets FILE STEPS`` presses one, with a checkpoint.
+``python -m tests.lacore.paths.path_billets FILE STEPS WHAT`` presses one, with a checkpoint: a
+``billet``, or a ``stack`` of two bodies between moving tools.
 """
 
 import sys
@@ -38,8 +39,36 @@ def pressed(steps=4, travel=0.2, billet=billet, **more):
     return la.sequential(problem, travel, steps, approaching=approaching, **more)
 
 
+def stacked(steps=4, travel=0.2, **more):
+    """The path of two blocks with friction between them and on the two platens that move."""
+
+    def block(low, high, columns):
+        mesh = la.meshes.quadrilaterals((0, 1), (low, high), columns, 1)
+        return la.Body(mesh, la.VonMises(hardening=la.hardening.Linear(1.0, 1.0)), space="q2")
+
+    def platen(low):
+        return la.RigidBlock([(-1, low), (3, low), (3, low + 0.3), (-1, low + 0.3)])
+
+    bodies = {"a": block(0, 0.6, 2), "b": block(0.6, 1, 3), "low": platen(-0.3), "up": platen(1)}
+    pairs = [
+        (("a", "bottom"), ("low", "block")),
+        (("b", "bottom"), ("a", "top")),
+        (("b", "top"), ("up", "block")),
+    ]
+    problem = la.Problem(
+        bodies,
+        [la.PointForce("up", "block", (0, -1))],
+        [la.Fix("a", "left", "x"), la.Fix("b", "left", "x")],
+        [la.Interface(one, other, 0.1) for one, other in pairs],
+    )
+    tools = la.ToolTravel({"up": (0, -1), "low": (0, 0.5)})
+    return la.sequential(problem, travel, steps, control=tools, **more)
+
+
+FOLLOWED = {"billet": pressed, "stack": stacked}
+
 if __name__ == "__main__":
-    pressed(
+    FOLLOWED[sys.argv[3]](
         int(sys.argv[2]),
         travel=0.3,
         checkpoint=sys.argv[1],

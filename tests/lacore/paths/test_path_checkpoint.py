@@ -22,7 +22,7 @@ from lacore.paths.path import Snapshot
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stored.progress import Progress
-from tests.lacore.paths.path_billets import billet, pressed
+from tests.lacore.paths.path_billets import FOLLOWED, billet, pressed
 from tests.shares import one_in
 
 ROOT = Path(__file__).parents[3]
@@ -340,14 +340,15 @@ def test_kept_snapshots_are_counted():
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
-def test_killed_at_random_moments(tmp_path):
-    """SIGKILL, again and again, while it starts, solves and writes."""
-    steps, file = 60, tmp_path / "path.npz"
-    whole = pressed(steps, travel=0.3)
+@pytest.mark.parametrize(("what", "steps", "most"), [("billet", 60, 8), ("stack", 30, 6)])
+def test_killed_at_random_moments(tmp_path, what, steps, most):
+    """SIGKILL, again and again, while it starts, solves and writes; two bodies and tools, too."""
+    file, follow = tmp_path / "path.npz", FOLLOWED[what]
+    whole = follow(steps, travel=0.3)
     draw = np.random.default_rng(2031)
-    words = [sys.executable, "-m", "tests.lacore.paths.path_billets", str(file), str(steps)]
+    words = [sys.executable, "-m", "tests.lacore.paths.path_billets", str(file), str(steps), what]
     last, kills, seen = 0, 0, []
-    while kills < 8:
+    while kills < most:
         process = subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, text=True)
         wanted = last + int(draw.integers(1, 5))
         for line in process.stdout:
@@ -362,7 +363,7 @@ def test_killed_at_random_moments(tmp_path):
         last, kills = max([last, *seen]), kills + 1
         assert process.returncode == -signal.SIGKILL
     taken = []
-    path = pressed(steps, travel=0.3, checkpoint=file, on_step=lambda row: taken.append(row.step))
+    path = follow(steps, travel=0.3, checkpoint=file, on_step=lambda row: taken.append(row.step))
     # No step is lost that was said to be kept; one is said by nobody where the kill came between.
     assert taken[0] in (last + 1, last + 2)
     assert taken[-1] == steps
