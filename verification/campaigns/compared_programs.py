@@ -4,8 +4,8 @@ import csv
 import hashlib
 import shutil
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from math import inf, isnan
+from dataclasses import dataclass, replace
+from math import inf, isnan, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 import lacore as la
 from lacore.errors import InputError
 from verification.campaigns.instances import (
+    CLOSE,
     INDEX,
     Instance,
     Known,
@@ -59,13 +60,15 @@ class ProgramWriter:
         """Return the program of a run with its minimum; empty if no file can express it.
 
         The minimum is the load factor of the run if its certificate proves that. Otherwise the
-        associated problem is solved once.
+        associated problem is solved once. A minimum whose residual is above `CLOSE` is not stated.
         """
         run, problem = source.outcome.run, source.outcome.run.problem()
         stated, known = _proven(source, problem)
         if known is None:
             state = la.solve(problem, coupling=ASSOCIATED)
             stated, known = state.discretisation, known_of(state, source.code)
+        if known.status == la.Status.SOLVED.name and not known.residual <= CLOSE:
+            known = replace(known, status=la.Status.ALMOST_SOLVED.name, load_factor=nan)
         with TemporaryDirectory() as name:
             rows = write(run, stated, known, {ENDING: writer_of(ENDING)}, Path(name))
             return [(row, (Path(name) / row.file).read_bytes()) for row in rows if row.file]

@@ -21,7 +21,8 @@ from verification.runs.run import Run
 from verification.store.provenance import code_of
 
 INDEX = "index.csv"
-_CLOSE = 1e-7  # residual below which a value is known well enough to be compared to 1e-6
+CLOSE = 1e-7
+"""Residual up to which a value is known well enough to be compared to 1e-6."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,7 @@ def _solved(problem: la.Problem) -> la.LimitState:
     """
     state = la.solve(problem, coupling="associated")
     for name in _exact_backends():
-        if state.status is not la.Status.SOLVED or _residual(state) <= _CLOSE:
+        if state.status is not la.Status.SOLVED or _residual(state) <= CLOSE:
             return state
         with suppress(CapabilityError):
             other = la.solve(problem, name, "associated")

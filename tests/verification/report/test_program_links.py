@@ -4,6 +4,7 @@ import csv
 import hashlib
 import re
 import shutil
+from math import isnan
 
 import pandas as pd
 import pytest
@@ -139,6 +140,18 @@ def test_the_largest_programs_are_left_out(outcomes, monkeypatch):
     smallest = min(sizes, key=sizes.get)
     monkeypatch.setattr(compared_programs, "MOST_UNKNOWNS", sizes[smallest])
     assert [*sources_of(outcomes)] == [smallest]
+
+
+def test_a_minimum_that_is_not_known_closely_is_not_stated(outcomes, tmp_path, monkeypatch):
+    monkeypatch.setattr(compared_programs, "CLOSE", 0.0)
+    one = [outcome for outcome in outcomes if outcome.run.case.id == "wall-1"]
+    write_programs(sources_of(one), tmp_path)
+    (row,) = index_of(tmp_path).itertuples()
+    assert row.status == "ALMOST_SOLVED"
+    assert isnan(row.value)
+    assert isnan(row.load_factor)
+    assert row.residual > 0
+    assert program_files(tmp_path) == {row.file}
 
 
 def test_a_program_that_cannot_be_written_keeps_its_command(outcomes, tmp_path, monkeypatch):
