@@ -3,7 +3,7 @@
 from __future__ import annotations  # not evaluated: names of lacore in them load nothing
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from lacore.paths.ending import Ending
 
 if TYPE_CHECKING:
     from lacore.paths.control import Control
+    from lacore.paths.renewal.remeshing import Remesh
 
 ORDERS: Mapping[str, float] = {
     "explicit": 1.0,
@@ -60,6 +61,9 @@ class Following:
         ending: how the path must end; None: however it does.
         volume: largest change of volume of a step, of the volume, that is allowed.
         reading: what else is read; None for nothing.
+        tools: tools of an exact shape that drive the path in place of the reference loads of the
+            problem, which stand for them elsewhere.
+        remesh: makes new meshes on the way; None: the path ends where elements would invert.
         bounded: whether the load with which the path begins is to lie between strict bounds.
         ladder: numbers of steps over which the error must fall with the order of the scheme, at
             least four; none where nothing is asked.
@@ -78,6 +82,8 @@ class Following:
     ending: Ending | None = Ending.REACHED
     volume: float = inf
     reading: Reading | None = None
+    tools: Mapping[str, la.Tool] = field(default_factory=dict)
+    remesh: Remesh | None = None
     bounded: bool = False
     ladder: tuple[int, ...] = ()
 
@@ -85,6 +91,10 @@ class Following:
         require_positive("travel", self.travel)
         require_count("steps", self.steps)
         require_known("scheme", self.scheme, ORDERS)
+
+    def problem(self, given: la.Problem) -> la.Problem:
+        """Return a problem as the path takes it: without reference loads where tools drive it."""
+        return replace(given, reference_loads=()) if self.tools else given
 
     @property
     def last(self) -> float:

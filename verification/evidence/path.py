@@ -5,19 +5,22 @@ again.
 """
 
 import io
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 import lacore as la
 from lacore.arrays import Floats
 from lacore.paths.configuration import Configuration
-from lacore.paths.control import driven_by, gauge_of
+from lacore.paths.control import gauge_of
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.path import Snapshot
-from lacore.paths.stage import Stage, staged
+from lacore.paths.stage import Stage
 from verification.case.following import Following
 from verification.evidence.limit_state import Proof, packed, recheck, restored_on, unpacked
+from verification.evidence.stages import packed_stage, restored_stage
 from verification.runs.outcome import Evidence
 from verification.runs.row import Row
 from verification.runs.run import Run
@@ -26,8 +29,16 @@ _PLACES = ("begin", "at")
 _FIELDS = ("nodes", "strain")
 
 
-def packed_step(state: la.LimitState, snapshot: Snapshot) -> bytes:
-    """The state of a step, and the limit problem that it answers; empty without a state."""
+def packed_step(
+    state: la.LimitState, snapshot: Snapshot, later: Sequence[tuple[int, Stage]] = ()
+) -> bytes:
+    """The state of a step, and the limit problem that it answers; empty without a state.
+
+    Args:
+        state: of the last step.
+        snapshot: after it.
+        later: stages on new meshes, see `Path.later`.
+    """
     moment = snapshot.moment
     if state.point is None or moment is None:
         return b""
@@ -37,6 +48,8 @@ def packed_step(state: la.LimitState, snapshot: Snapshot) -> bytes:
         for field in _FIELDS
         for name, values in getattr(getattr(moment, place), field).items()
     }
+    if later:
+        arrays |= packed_stage(later[-1][1])
     times = np.array([moment.duration, moment.share, snapshot.duration])
     return packed(state.point, times=times, **arrays)
 
@@ -48,7 +61,7 @@ def recheck_step(run: Run, row: Row, evidence: Evidence) -> Proof:
         ValueError: there is no state, or it is not one of this path.
     """
     stated = run.case.following_of(run.variant)
-    stage = _stage(run, stated)
+    stage = _stage(run, stated, evidence.arrays)
     moment, duration = _unpacked(evidence.arrays, list(stage.start.nodes))
     discretisation = limit_problem(stage, moment)
     point = unpacked(evidence.arrays)
@@ -66,22 +79,28 @@ def last_shape(run: Run, evidence: Evidence) -> tuple[Stage, Configuration]:
     Raises:
         ValueError: There is no state.
     """
-    stage = _stage(run, run.case.following_of(run.variant))
+    stage = _stage(run, run.case.following_of(run.variant), evidence.arrays)
     moment, _ = _unpacked(evidence.arrays, list(stage.start.nodes))
     return stage, moment.at
 
 
-def _stage(run: Run, stated: Following) -> Stage:
-    """The problem of a run, made ready for its path."""
-    problem = run.problem()
-    return staged(problem, stated.approaching, driven_by(stated.control, problem))
+def _stage(run: Run, stated: Following, data: bytes) -> Stage:
+    """The problem of a run, made ready for its path, on the meshes of its last step."""
+    return restored_stage(stated, run.problem(), _arrays(data))
+
+
+def _arrays(data: bytes) -> dict[str, Any]:
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            return dict(archive)
+    except Exception as error:  # zip and value errors: the bytes are none of ours
+        raise ValueError(f"no step: {error}") from error
 
 
 def _unpacked(data: bytes, bodies: list[str]) -> tuple[Moment, float]:
     """The moment of a step, and the duration for which its load is."""
+    arrays = _arrays(data)
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            arrays = dict(archive)
         begin, at = (
             Configuration(
                 *({name: arrays[f"{place}/{field}/{name}"] for name in bodies} for field in _FIELDS)

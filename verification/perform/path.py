@@ -58,12 +58,14 @@ def run_path(
             raise InputError(f"setting {name}", None, "paths do not take it", "leave it out")
     clock = SolveClock()
     path = la.sequential(
-        discretisation.problem,
+        stated.problem(discretisation.problem),
         stated.travel,
         stated.steps,
         stated.scheme,
         stated.control,
         approaching=stated.approaching,
+        tools=stated.tools,
+        remesh=stated.remesh,
         backend=run.backend,
         coupling=run.coupling,
         options={**shorter_limit(run.backend, time_limit), **run.options},
@@ -101,7 +103,7 @@ def run_path(
     verdict, why = judge_path(row, stated, reference, band, run.insist)
     row = replace(row, verdict=verdict, why=why)
     residuals = asdict(state.certificate) if state is not None and state.certificate else {}
-    arrays = b"" if state is None else packed_step(state, path.snapshots[-1])
+    arrays = b"" if state is None else packed_step(state, path.snapshots[-1], path.later)
     return Outcome(run, row, Evidence(residuals, records(history.assign(exact=exact)), arrays))
 
 

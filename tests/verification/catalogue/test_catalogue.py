@@ -73,8 +73,8 @@ def test_tags_say_what_the_problems_consist_of(case):
             kinds.add({"Body": "continuum", "Frame": "frames"}.get(type(body).__name__, "blocks"))
             if isinstance(body, la.BlockAssembly | la.BlockAssembly3D) and body.joints.count:
                 kinds.add("contact")
-        met = case.following_of(variant).approaching if case.path else ()
-        if problem.interfaces or met:
+        stated = case.following_of(variant) if case.path else None
+        if problem.interfaces or (stated and (stated.approaching or stated.tools)):
             kinds.add("contact")
     assert kinds
     assert kinds == set(case.tags) & {"continuum", "blocks", "frames", "contact"}
