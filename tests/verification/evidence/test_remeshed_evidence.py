@@ -1,6 +1,5 @@
 """The last step of a path on new meshes, with a tool, as bytes and back."""
 
-import numpy as np
 import pytest
 
 import lacore as la
@@ -32,5 +31,5 @@ def test_a_step_on_new_meshes_is_restored():
     found, known = limit_problem(stage, moment), path.last.discretisation
     assert found.full.n == known.full.n
     assert found.points.gap == pytest.approx(known.points.gap, abs=1e-12)
-    assert np.abs((found.full.contact.normal - known.full.contact.normal).data).max() < 1e-12
+    assert (found.full.contact.normal != known.full.contact.normal).nnz == 0
     assert found.full.reference_load == pytest.approx(known.full.reference_load, abs=1e-12)
