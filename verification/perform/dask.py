@@ -74,6 +74,8 @@ class Children(WorkerPlugin):
             child = self._idle.pop() if self._idle else RunProcess()
             if child not in self._all:
                 self._all.append(child)
+            if self._stop.is_set():  # while the run came here
+                child.kill()
         try:
             return attempt(child, run, time_limit, self._stop)
         finally:

@@ -192,6 +192,20 @@ def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch, dask_e
     wait_for(lambda: not children(cluster))
 
 
+def test_a_run_that_comes_after_the_end_starts_nothing(tmp_path, monkeypatch, dask_execution):
+    """Reading a run takes time, in which the sweep may have been stopped."""
+    plant(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (run,) = plan(["deformable-block"], ["mu=0.2"], ["Sleeps"], ["coarse"])
+    kept = dask_execution.Children("late", [])
+    kept.setup(None)
+    kept.teardown(None)
+    with marked() as mark:
+        outcome = kept.in_idle_process(run, time_limit=600.0)
+        wait_for(lambda: not alive(mark))
+    assert outcome.row.status == "failed"
+
+
 def test_other_code_on_the_workers_is_refused(cluster, tmp_path, monkeypatch, dask_execution):
     monkeypatch.setattr(dask_execution, "code_version", lambda *_: "other")
     result = command(
