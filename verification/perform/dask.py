@@ -28,6 +28,7 @@ from distributed import (
 
 import lacore as la
 from lacore.errors import InputError
+from lacore.solvers.isolation import release_processes
 from verification.defaults import TIME_LIMIT
 from verification.perform.one_run import lost
 from verification.perform.processes import OnStart, RunProcess, attempt
@@ -107,7 +108,9 @@ def on_worker(
         InputError: the worker has other code.
     """
     worker = get_worker()
-    if code_version(*solvers) != code:
+    own = code_version(*solvers)
+    release_processes()  # in which backends were asked for their versions
+    if own != code:
         raise InputError(
             "--scheduler",
             worker.address,
