@@ -5,12 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+import lacore as la
 from verification.campaigns.shrinking import candidates
 from verification.fuzz.checks.path_facts import check_facts, exact_force
 from verification.fuzz.checks.verdict import first
 from verification.fuzz.drawn.classes import draw
 from verification.fuzz.drawn.copies import COPIES, copied
 from verification.fuzz.drawn.paths import follow
+from verification.fuzz.examine import examine
 
 PAIRS, TOOLS = "pairs-on-paths", "tools-on-paths"
 KINDS = [PAIRS, TOOLS]
@@ -64,6 +66,15 @@ def test_an_injected_error_is_found(fact, change, check):
     change(recipe)
     found = [wrong.check for wrong in check_facts(recipe, path_with(fact))]
     assert check in found
+
+
+def test_a_path_that_ends_early_has_a_status_that_results_are_stored_with():
+    recipe = copied(recipe_with("stack"))
+    recipe["path"]["travel"] = 100.0
+    found = examine(recipe, np.random.default_rng(1))
+    assert found.status in {status.label for status in la.Status} - {"solved"}
+    assert found.wrong is None
+    assert found.message
 
 
 def test_what_has_a_fact_is_cut_in_its_meshes_alone():

@@ -40,7 +40,8 @@ def examine_path(recipe: Recipe, rng: Rng) -> PathAnswer:
     except Exception as error:  # anything else is a find
         return PathAnswer("exception", nan, told(error), Wrong("exception", told(error)))
     reached = path.status is Ending.REACHED
-    status = la.Status.SOLVED.label if reached else path.status.label
+    # How a path ends is no status of a load: of one that ends early none is proven for its travel.
+    status = (la.Status.SOLVED if reached else la.Status.NOT_CERTIFIED).label
     history = path.history
     load = float(history["load_factor"].iloc[-1]) if reached else nan
     wrong = _wrong(recipe, path, begin)
