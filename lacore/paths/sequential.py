@@ -297,9 +297,8 @@ def _remeshed(
         PathEndError: they cannot be taken.
     """
     old = walk.stage
-    now = old.at(here.configuration)
     try:
-        meshes = new_meshes(remesh, now, poor, control)
+        meshes = new_meshes(remesh, old, here.configuration, poor, control)
     except Exception as error:  # of others: what was found so far must not be lost with it
         wrong = f"{type(error).__name__}: {error}"
         raise PathEndError(Ending.NOT_REMESHED, f"remesh fails: {wrong}") from error

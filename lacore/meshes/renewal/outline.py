@@ -6,7 +6,7 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,12 +22,13 @@ from lacore.errors import (
     require_positive,
     typed,
 )
-from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
+from lacore.meshes.curved import EdgeCurves, edge_curves, jacobians, vertices
 from lacore.meshes.renewal.sizes import Sizes
 
 _CORNER = np.cos(np.radians(20.0))  # between edges that are parts of one smooth side
 _SAMPLES = 8  # parts of an old edge, in which its length is measured
 _SAME = 1e-9  # of the size of the mesh
+_LEAST_JACOBIAN = 0.1  # of its mean in an element: below, edges are made straighter
 _LEAST = 3  # edges of a closed line
 _GAUSS = np.array([1 - 1 / np.sqrt(3), 1 + 1 / np.sqrt(3)]) / 2
 
@@ -67,7 +68,7 @@ def remeshed(
 
     Corners, ends of named boundaries and the vertices in `keep` stay vertices. Between them edges
     are about as long as `size`. Their vertices lie on the old outline, and their midside nodes are
-    placed so that the area stays the same.
+    placed so that the area stays the same, unless this would invert an element.
 
     Args:
         mesh: of triangles or quadrilaterals, edges straight or curved.
@@ -114,7 +115,22 @@ def remeshed(
         name: np.array(new)[np.isin(old, np.asarray(facets))]
         for name, facets in (mesh.boundaries or {}).items()
     }
-    return MeshTri2(places, curved.t).with_boundaries(names)
+    return _upright(MeshTri2(places, curved.t)).with_boundaries(names)
+
+
+def _upright(mesh: MeshTri2) -> MeshTri2:
+    """The mesh with straighter edges on the outline where its elements would be inverted."""
+    places = mesh.doflocs.copy()
+    for share in (0.5, 0.5, 0.5, 0.0):
+        values = jacobians(replace(mesh, doflocs=places))
+        bad = np.flatnonzero(values.min(axis=1) < _LEAST_JACOBIAN * values.mean(axis=1))
+        if not bad.size:
+            break
+        edges = np.intersect1d(mesh.t2f[:, bad], mesh.boundary_facets())
+        centre = places[:, mesh.facets[:, edges]].mean(axis=1)
+        middle = mesh.nvertices + edges
+        places[:, middle] = centre + share * (places[:, middle] - centre)
+    return replace(mesh, doflocs=places)
 
 
 def _outlines(mesh: Mesh, sizes: Sizes, keep: Floats, held: Ints) -> tuple[list[_Outline], Floats]:
@@ -221,17 +237,22 @@ def _on(side: EdgeCurves, places: Floats) -> Floats:
 def _middles(side: EdgeCurves, at: Floats, ends: Floats) -> Floats:
     """Midside nodes of new edges between points of a side, which enclose the same area with it.
 
-    A quadratic edge encloses 2/3 of its bulge times its chord.
+    A quadratic edge encloses 2/3 of its bulge times its chord. A part of one old edge is that edge
+    again: its middle is that of the parameter, which may lie off the middle of the chord.
     """
     numbers = np.arange(side.start.shape[1])
     swept = np.append(0.0, np.cumsum(_swept(side, numbers, np.ones(numbers.size))))
     edge = ends.astype(np.int64).clip(max=numbers.size - 1)
-    along = swept[edge] + _swept(side, edge, ends - edge)
+    until = swept[edge] + _swept(side, edge, ends - edge)
     start, end = at[:, :-1], at[:, 1:]
-    area = np.diff(along) - (start[0] * end[1] - start[1] * end[0]) / 2
+    area = np.diff(until) - (start[0] * end[1] - start[1] * end[0]) / 2
     chord = end - start
-    outwards = np.stack([chord[1], -chord[0]]) / np.sum(chord**2, axis=0)
-    return np.asarray((start + end) / 2 + 1.5 * area * outwards)
+    squared = np.sum(chord**2, axis=0)
+    outwards = np.stack([chord[1], -chord[0]]) / squared
+    centre = (start + end) / 2
+    part = np.ceil(ends[1:]) - np.floor(ends[:-1]) <= 1
+    along = np.sum((_on(side, (ends[1:] + ends[:-1]) / 2) - centre) * chord, axis=0) / squared
+    return np.asarray(centre + 1.5 * area * outwards + np.where(part, along, 0.0) * chord)
 
 
 def _swept(side: EdgeCurves, edge: Ints, s: Floats) -> Floats:

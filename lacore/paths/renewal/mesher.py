@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from skfem import Mesh
@@ -15,9 +16,10 @@ from lacore.errors import InputError, require_known, require_positive
 from lacore.meshes.renewal.distortion import mean_ratios
 from lacore.meshes.renewal.outline import load_gmsh, remeshed
 from lacore.meshes.renewal.sizes import element_sizes
-from lacore.paths.control import Control, PointTravel
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
+
+Point = tuple[float, float]
 
 _ROUNDS = 3  # of sizes that are scaled to keep the number of elements
 _CLOSE = 0.1  # of that number
@@ -27,8 +29,9 @@ _CLOSE = 0.1  # of that number
 class Remeshing(Compact):
     """Make new triangle meshes when elements become distorted, with Gmsh (extra ``gmsh``).
 
-    The outline, its names and corners, vertices with a `PointForce` or a `PointTravel`, and the
-    edges of bonded boundaries stay. New vertices lie on the old outline, and areas stay the same.
+    The outline, its names and corners, ends of contact with obstacles, vertices with a `PointForce`
+    or a `PointTravel`, and the edges of bonded boundaries stay. New vertices lie on the old
+    outline, and areas stay the same unless this would invert an element.
     A new mesh is made before a step if the quality of an element, its mean ratio, has decreased to
     less than `quality` times that at the beginning of the path or at the last remeshing, and if the
     next step would invert an element.
@@ -63,14 +66,14 @@ class Remeshing(Compact):
         self,
         problem: Problem,
         bodies: Sequence[str] = (),
-        control: Control | None = None,
+        keep: Mapping[str, Sequence[Point]] = MappingProxyType({}),
     ) -> dict[str, Mesh]:
         """Return new meshes.
 
         Args:
             problem: on the current shape.
             bodies: names of those that get a new mesh; by default all deformable ones.
-            control: of the path, whose point stays a vertex.
+            keep: vertices that stay, by body, in addition to those with a `PointForce`.
 
         Raises:
             InputError: Gmsh fails; see `check`.
@@ -78,7 +81,7 @@ class Remeshing(Compact):
         self.check(problem)
         deforming = of_kind(problem.bodies, Body)
         return {
-            name: self._made(name, deforming[name].mesh, problem, control)
+            name: self._made(name, deforming[name].mesh, problem, keep.get(name, ()))
             for name in (bodies or deforming)
         }
 
@@ -111,11 +114,9 @@ class Remeshing(Compact):
             if np.any(mean_ratios(mesh) < self.quality * mean_ratios(before[name]))
         ]
 
-    def _made(self, name: str, mesh: Mesh, problem: Problem, control: Control | None) -> Mesh:
+    def _made(self, name: str, mesh: Mesh, problem: Problem, keep: Sequence[Point]) -> Mesh:
         points = [load.point for load in problem.loads.values() if load.body == name]
-        if isinstance(control, PointTravel) and control.body == name:
-            points.append(control.at)
-        keep = [(point[0], point[1]) for point in points if point is not None]
+        keep = [*keep, *((point[0], point[1]) for point in points if point is not None)]
         bonded = [
             str(where)
             for interface in problem.interfaces
@@ -129,7 +130,7 @@ class Remeshing(Compact):
         return _alike(mesh, keep, bonded)
 
 
-def _alike(mesh: Mesh, keep: Sequence[tuple[float, float]], bonded: Sequence[str]) -> Mesh:
+def _alike(mesh: Mesh, keep: Sequence[Point], bonded: Sequence[str]) -> Mesh:
     """A mesh with elements as large as before; a quadrilateral becomes two triangles."""
     sizes, factor = element_sizes(mesh), 1.0
     count = mesh.nelements * (len(mesh.t) - 2)

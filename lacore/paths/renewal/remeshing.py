@@ -16,7 +16,7 @@ from lacore.errors import InputError, require_known
 from lacore.meshes.curved import is_curved
 from lacore.paths.configuration import Configuration
 from lacore.paths.control import Control, PointTravel
-from lacore.paths.renewal.mesher import Remeshing
+from lacore.paths.renewal.mesher import Point, Remeshing
 from lacore.paths.renewal.transfer import transfer_errors, transferred
 from lacore.paths.stage import Stage, staged
 from lacore.problem.problem import Problem
@@ -53,10 +53,46 @@ def distorted(remesh: Remesh | None, stage: Stage, configuration: Configuration)
 
 
 def new_meshes(
-    remesh: Remesh, now: Problem, bodies: Sequence[str], control: Control
+    remesh: Remesh,
+    stage: Stage,
+    configuration: Configuration,
+    bodies: Sequence[str],
+    control: Control,
 ) -> Mapping[str, Mesh]:
-    """New meshes by a function, or by itself; of all bodies where `bodies` is empty."""
-    return remesh(now, bodies, control) if isinstance(remesh, Remeshing) else remesh(now)
+    """New meshes by a function, or by itself; of all bodies where `bodies` is empty.
+
+    Args:
+        remesh: of the path.
+        stage, configuration: where the bodies are.
+        bodies: names of those that need new meshes.
+        control: of the path, with its point where it is now.
+    """
+    now = stage.at(configuration)
+    if not isinstance(remesh, Remeshing):
+        return remesh(now)
+    keep = _contact_ends(stage, configuration)
+    if isinstance(control, PointTravel):
+        keep.setdefault(control.body, []).append(control.at)
+    return remesh(now, bodies, keep)
+
+
+def _contact_ends(stage: Stage, configuration: Configuration) -> dict[str, list[Point]]:
+    """Vertices at the ends of the contact with obstacles, by body.
+
+    An edge between vertices on both sides of such an end would leave the obstacle or cut into it.
+    """
+    ends: dict[str, list[Point]] = {}
+    dofs = stage.dofs_at(configuration)
+    for obstacle in stage.obstacles_at(configuration):
+        own = dofs[obstacle.body]
+        start, middle, end = own.facet_nodes(obstacle.facets)
+        near = np.abs(obstacle.shape.distance(own.nodes)) <= obstacle.near
+        control = 2 * own.nodes[:, middle] - (own.nodes[:, start] + own.nodes[:, end]) / 2
+        whole = near[start] & near[end] & (obstacle.shape.distance(control) <= obstacle.near)
+        apart = np.union1d(start[~whole], end[~whole])
+        places = own.nodes[:, apart[near[apart]]].T.tolist()
+        ends.setdefault(obstacle.body, []).extend((x, y) for x, y in places)
+    return ends
 
 
 def restaged(
@@ -114,12 +150,17 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
             nodes = np.unique(mesh.facets[:, edges])
             distance = obstacle.shape.distance(places[:, nodes])
             near = np.abs(distance) <= obstacle.near
-            normal = obstacle.shape.normal(places[:, nodes[near]])
-            places[:, nodes[near]] -= normal * distance[near]
-            if is_curved(mesh):  # what would bulge behind the obstacle becomes straight
+            normal = obstacle.shape.normal(places[:, nodes])
+            places[:, nodes[near]] -= (normal * distance)[:, near]
+            if is_curved(mesh):
                 middle = mesh.nvertices + edges
                 chord = places[:, mesh.facets[:, edges]].mean(axis=1)
-                behind = obstacle.shape.distance(2 * places[:, middle] - chord) < 0
+                control = 2 * places[:, middle] - chord
+                depth = -obstacle.shape.distance(control)
+                normal = obstacle.shape.normal(control)
+                touching = (depth > 0) & (depth <= obstacle.near)
+                places[:, middle[touching]] += (normal * depth / 2)[:, touching]
+                behind = depth > obstacle.near  # it would bulge into the obstacle
                 places[:, middle[behind]] = chord[:, behind]
     space = isoparametric(mesh, body.space)
     return replace(body, mesh=replace(mesh, doflocs=places), space=space.name)

@@ -292,3 +292,38 @@ def test_bodies_that_it_cannot_mesh():
     parts = replace(body, mesh=mesh, criterion={"low": steel, "up": la.VonMises(2.0)})
     with pytest.raises(InputError, match="several regions"):
         la.sequential(replace(problem, bodies={"strip": parts}), 0.1, 1, remesh=la.Remeshing())
+
+
+def test_parts_of_a_curved_edge_are_that_edge():
+    """Of a parabola in unequal parameters too: vertices and midside nodes stay on it."""
+    require_gmsh()
+    square = la.meshes.isoparametric(la.meshes.rectangle((0, 1), (0, 1), 1, 1))
+    (top,) = np.asarray(square.boundaries["top"])
+    places = square.doflocs.copy()
+    places[:, square.nvertices + top] = (0.45, 1.1)
+    old = replace(square, doflocs=places)
+    new = la.meshes.remeshed(old, 0.3)
+    curve, parts = (edge_curves(mesh, np.asarray(mesh.boundaries["top"])) for mesh in (old, new))
+    for x, y in np.hstack([parts.start, parts.middle, parts.end]).T:
+        # x(s) = s + 4 s (1 - s) (-0.05)
+        s = np.roots([0.2, 0.8, -x])
+        s = s[(s > -1e-9) & (s < 1 + 1e-9)]
+        assert curve.at(s)[1] == pytest.approx(y, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_wedge_with_new_meshes():
+    """Its contact is kept: load and volume hardly jump."""
+    require_gmsh()
+    mesh = la.meshes.rectangle(x=(0, 3), y=(-2, 0), nx=12, ny=8)
+    body = la.Body(mesh, la.VonMises(shear_strength=1.0), space="p2-gauss")
+    problem = la.Problem(
+        bodies={"body": body},
+        supports=[la.Fix("body", "left", "x"), la.Fix("body", "bottom"), la.Fix("body", "right")],
+    )
+    wedge = la.Tool(la.shapes.wedge((0, 0), 45), touches=("body", "top"), velocity=(0, -1))
+    path = la.sequential(problem, 0.24, 12, tools={"wedge": wedge}, remesh=la.Remeshing())
+    assert path.status is Ending.REACHED, path.message
+    assert len(path.later) >= 1
+    assert np.abs(reported(path, "volume jumps by")).max() < 1e-3
+    assert np.abs(reported(path, "load by")).max() < 0.05
