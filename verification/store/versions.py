@@ -121,16 +121,16 @@ def _file_of(place: Path) -> Path:
 def _read(file: Path) -> tuple[pd.DataFrame, tuple[Mapping[str, str], ...]]:
     """Return the rows with the version of lacore of each, and the sessions that computed them."""
     if file.suffix == ".csv":
-        results, known = _read_table(file), _read_provenance(file.parent / PROVENANCE)
+        results, read = _read_table(file), _read_provenance(file.parent / PROVENANCE)
         numbers = pd.Series(0, index=results.index)
-        by_number: Mapping[int, Mapping[str, str]] = {0: known} if known else {}
+        by_number: Mapping[int, Mapping[str, str]] = {0: read} if read else {}
     else:
         results, by_number = load_results(file), sessions(file)
         numbers = results["session"].astype(int) if len(results) else pd.Series(dtype=int)
     if not len(results):
         raise InputError(FIELD, str(file), "contains no finished run", _FIX)
-    lacore = {number: packages_of(own).get("lacore", "") for number, own in by_number.items()}
-    named = [lacore.get(int(number), "") for number in numbers]
+    known = {number: packages_of(own).get("lacore", "") for number, own in by_number.items()}
+    named = [known.get(int(number), "") for number in numbers]
     results = results.assign(lacore=pd.Series(named, index=results.index, dtype="string"))
     there = set(numbers)
     return results, tuple(own for number, own in by_number.items() if number in there)
