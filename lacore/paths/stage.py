@@ -193,7 +193,9 @@ class Stage(Compact):
             return replace(load, at=(x, y))
 
         driven = driving(bodies, self.problem.driven)
-        reference = driven or [gripped(load) for load in self.problem.reference_loads]
+        reference: Sequence[Load] = driven or [
+            gripped(load) for load in self.problem.reference_loads
+        ]
         return replace(
             self.problem,
             bodies=bodies,

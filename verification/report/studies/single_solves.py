@@ -6,7 +6,6 @@ from verification.analysis.columns import groups, problem_columns, solver_column
 from verification.analysis.ladders import LEAST, OPTION, RESIDUAL, VALUE, ladders
 from verification.report.blocks import (
     Block,
-    Column,
     Details,
     Drawing,
     Gallery,
@@ -17,6 +16,7 @@ from verification.report.blocks import (
 from verification.report.charts import axes
 from verification.report.charts.axes import Axis
 from verification.report.charts.lines import LINE, with_lines
+from verification.report.columns import Column
 from verification.report.description import counted
 from verification.report.studies.solvers import FLOOR, with_floor
 from verification.report.tables import RUN, VERDICTS
