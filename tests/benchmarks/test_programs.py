@@ -10,6 +10,7 @@ from dataclasses import asdict
 import pytest
 
 import lacore as la
+from lacore.backend import load_backend
 from verification.fuzz.programs.judge import RIGHT, WRONG
 from verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
 
@@ -25,7 +26,7 @@ LIMIT = 60.0  # s
 @pytest.mark.benchmark(group="programs")
 def test_programs(benchmark, one_thread):
     """Seconds of each program, and what each answer is worth."""
-    asked = [la.find_backend(name) for name in BACKENDS]
+    asked = [load_backend(name) for name in BACKENDS]
     asked = [backend for backend in asked if not backend.unavailable()]
     rows = benchmark.pedantic(every_row, args=(asked, COUNT, SEED), rounds=1)
     benchmark.extra_info.update(
