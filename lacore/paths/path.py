@@ -228,8 +228,9 @@ class Path(Shown):
     def tool_forces(self, step: int = -1) -> pd.DataFrame:
         """What contact exerts on each rigid block in a step: force [N/m] and moment [N].
 
-        One row a block: ``body``, ``f_x``, ``f_y`` and ``moment`` about the centroid,
-        anticlockwise. They belong to the limit problem as it was solved, see `state`.
+        One row a block: ``body``, ``f_x``, ``f_y`` and ``moment`` about the centroid, of a
+        `Tool` about its reference point, anticlockwise. They belong to the limit problem as it was
+        solved, see `state`.
 
         Raises:
             InputError: see `state`.

@@ -84,7 +84,7 @@ def sequential(
             hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
             ``implicit-euler`` (order 1, iterated); T30.
         control: what the travel is of: `FootingTravel` (the default), `PointTravel`, `ToolTravel`
-            of rigid blocks with given velocities, or `Time`.
+            of rigid blocks with given velocities, or `Time`; by default that of `tools` that move.
         approaching: interfaces with obstacles, planes or shapes, or of two bodies, that do not
             touch yet, or in part. How a corner that two interfaces share splits its reaction
             between them has no meaning.
@@ -110,6 +110,8 @@ def sequential(
         hooks: functions that are called after each step, or a `Hook` for other moments, such as
             ``lacore.hooks.progress()``. If one raises an exception, the path ends with the status
             `STOPPED` and keeps all finished steps.
+        tools: rigid tools by name, each a `Tool`. Those that move drive the path, in place of
+            reference loads.
         on_step: called with the `PathStep` after each step; its exceptions are passed on. Use
             `hooks` instead.
 

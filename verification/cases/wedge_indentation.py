@@ -12,8 +12,8 @@ r"""A smooth wedge is pressed into a half space, from the first touch on: a tool
 
 The flow is similar at every depth c of the tip, so the force is proportional to c, and the lip is
 straight. Material is drawn along the face, and elements next to the tip would soon turn over: the
-body gets new meshes on the way, in columns below its surface, which keep its area. The contact
-begins at a point and ends at a free surface, so that its length is known to an element. With
+body gets new meshes on the way, in columns below its surface, which keep its area but for the edge
+at the end of the contact. The length of the contact is known to an element. With
 friction the force is larger, at most that of a wedge to which the material sticks.
 """
 
@@ -28,6 +28,7 @@ TRAVEL = 1.0
 _CELL = 3.0  # smallest cell, in steps: a step moves no vertex past a cell
 _LIP = 0.1  # largest distance of the lip from the exact one, per depth: half of a cell at its end
 _ROUGH = 2.0  # force of a wedge to which the material sticks, per that of a smooth one: not more
+_VOLUME = 3e-4  # a new mesh straightens the edge at the end of the contact
 _CELLS = 0.45  # largest relative error of the force times the number of cells along the face
 
 
@@ -56,7 +57,7 @@ def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str
         la.ToolTravel({"wedge": (0.0, -1.0)}),
         exact=(lambda travel: _force(half_angle, travel)) if smooth else None,
         load="force",
-        volume=1e-4,
+        volume=_VOLUME,
         reading=_lip(half_angle) if smooth else _ratio(half_angle),
         tools={"wedge": la.Tool(wedge, ("body", "top"), (0, -1), friction=friction)},
         remesh=Columns(half_angle, cells, _CELL * TRAVEL / steps),

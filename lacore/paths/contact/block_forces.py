@@ -7,9 +7,10 @@ from lacore.limit.state import LimitState
 
 
 def block_forces(state: LimitState) -> pd.DataFrame:
-    """Resultants of contact on each rigid block, about its centroid, one row a block.
+    """Resultants of contact on each rigid block, one row a block.
 
-    Columns ``body``, ``f_x`` and ``f_y`` [N/m], and ``moment`` [N], anticlockwise.
+    Columns ``body``, ``f_x`` and ``f_y`` [N/m], and ``moment`` [N], anticlockwise: about the
+    centroid, of a `Tool` about its reference point.
     """
     d, point, rows = state.discretisation, state.point, []
     assert point is not None
