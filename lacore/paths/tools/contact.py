@@ -16,7 +16,7 @@ from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.any_body import PlaneBody
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.loads import PointForce
+from lacore.conditions.loads import Load, PointForce
 from lacore.contact.obstacles import Obstacle, Shape
 from lacore.contact.rows import Laws
 from lacore.paths.configuration import Configuration
@@ -139,7 +139,7 @@ def corner_station(
     )
 
 
-def driving(rigid: Mapping[str, object], drives: Mapping[str, Floats]) -> list[PointForce]:
+def driving(rigid: Mapping[str, object], drives: Mapping[str, Floats]) -> list[Load]:
     """The reference load by which tools of an exact shape are driven; none where none moves."""
     for name, motion in drives.items():
         block = rigid[name]
