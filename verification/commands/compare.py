@@ -72,9 +72,9 @@ if TYPE_CHECKING:
 @click.option(
     "--export/--no-export",
     "exports",
-    default=True,
+    default=None,
     help="Write the optimisation programs of the runs to DIR/instances, where the pages link to"
-    " them, or leave them out. Default: --export.",
+    " them, or leave them out. Default: --export if a CASE or --all is given.",
 )
 @time_limit_option
 @cases_option
@@ -92,7 +92,7 @@ def compare(
     couplings: list[str],
     options: tuple[str, ...],
     out: Path,
-    exports: bool,
+    exports: bool | None,
     time_limit: float,
     known: Catalogue,
     jobs: int,
@@ -172,7 +172,7 @@ def compare(
                 repeat,
                 show_stored_failures,
             )
-        if exports:
+        if exports or (exports is None and not first_look):
             sources = sources_of(outcomes)
             with progress.patiently("writing programs", len(sources)) as on_done:
                 write_programs(sources, out, on_done)
