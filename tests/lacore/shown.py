@@ -138,7 +138,7 @@ def values():
         *(la.hardening.Voce(1.0, 2.0, 1 / 3), la.hardening.Swift(1.0, 1 / 3, 0.2)),
         *(la.AdaptiveSteps(1 / 3), la.LeastNorm(), la.Time(), la.FootingTravel()),
         *(la.Remeshing(size={LONG: 1 / 3}), la.Steady(1 / 3, wide)),
-        la.ToolTravel({LONG: (1 / 3, wide), "b": (0, -1)}),
+        *(la.ToolTravel({LONG: (1 / 3, wide), "b": (0, -1)}), la.Hook(print)),
         la.Tool(la.shapes.disc((1 / 3, wide), 1 / 3), (LONG, LONG), (1 / 3, wide)),
         *(la.PointTravel(LONG, (1 / 3, wide), (0, 1)), la.SolverProcess()),
         *(*drawn(), la.sections.Section(((-1 / 3, 0), (1 / 3, 0)), LONG)),
