@@ -35,6 +35,10 @@ class Disc(Compact):
     Attributes:
         centre: m.
         radius: m.
+
+    Example:
+        >>> la.shapes.Disc(centre=(0, 2), radius=1).distance(np.array([[0.0], [0.5]]))
+        array([0.5])
     """
 
     centre: Point
@@ -96,6 +100,11 @@ class Wedge(_Profiled):
         tip: m.
         half_angle: between its axis and a face, degrees.
         axis: direction from the tip into the wedge, of length 1.
+
+    Example:
+        >>> la.shapes.Wedge(tip=(0, 0), half_angle=45).normal(np.array([[1.0], [0.0]])).round(3)
+        array([[ 0.707],
+               [-0.707]])
     """
 
     tip: Point
@@ -140,6 +149,10 @@ class Outline(_Profiled):
     Attributes:
         points: its corners before they are rounded, anticlockwise, m.
         radii: of the corners, m; 0 where one is sharp.
+
+    Example:
+        >>> la.shapes.Outline(((0, 0), (2, 0), (2, 1), (0, 1)), radii=(0, 0, 0, 0)).reference
+        (1.0, 0.5)
     """
 
     points: tuple[Point, ...]

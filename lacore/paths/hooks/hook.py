@@ -32,6 +32,14 @@ class PathProgress(Compact):
         travel: of the bodies at this moment, in units of the control.
         row: the last finished step; None before there is one.
         state: the limit state that was solved; None except ``after solve``.
+
+    Example:
+        >>> def tell(now: la.PathProgress) -> None:
+        ...     print(now.step, now.travel)
+        >>> path = la.sequential(
+        ...     la.examples.footing(), travel=0.01, steps=1, hooks=[la.Hook(tell, "after step")]
+        ... )
+        1 0.01
     """
 
     when: str

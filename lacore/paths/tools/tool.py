@@ -1,4 +1,4 @@
-"""Rigid tools with an exact outline and a given motion, as a user states them (T33)."""
+"""Rigid tools with an exact outline and a given motion, as a user states them."""
 
 from __future__ import annotations
 
