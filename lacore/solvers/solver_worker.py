@@ -86,6 +86,7 @@ class SolverWorker:
                     " return a prepared solver with the methods solve(contact) and close()"
                 )
         self._solvers[number] = solver, program, before
+        self._idle_from_now()
 
     def solve(self, number: int, contact: FrozenContact) -> dict[str, Any]:
         """The answer for a frozen contact, with what is known of this process."""
@@ -100,7 +101,9 @@ class SolverWorker:
                 " arrays before scaling them",
                 seconds,
             )
-        return {"answer": pack_answer(answer), "memory": peak_memory()}
+        sent = {"answer": pack_answer(answer), "memory": peak_memory()}
+        self._idle_from_now()  # another program may be closed, or begun, before this one
+        return sent
 
     def close(self, number: int) -> None:
         """Drop a solver."""

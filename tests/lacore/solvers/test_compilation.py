@@ -8,6 +8,7 @@ import pytest
 import backends.auto
 import backends.interior_point
 import lacore as la
+from lacore.program import associated_contact
 from lacore.solvers.compilation import SolveClock, compiling
 from lacore.solvers.solver_worker import SolverWorker
 from tests.broken_backends import COMPILE, Works, plant
@@ -121,3 +122,32 @@ def test_compilation_is_not_taken_for_threads_that_were_left_behind(monkeypatch)
     CLOCKS["perf_counter"] += 1.0
     CLOCKS["process_time"] += 1.0
     assert worker.was_busy()
+
+
+class SolvesForASecond(Works):
+    """One second of both clocks for each solve."""
+
+    def prepare(self, program, options):
+        return self
+
+    def solve(self, contact):
+        CLOCKS["perf_counter"] += 1.0
+        CLOCKS["process_time"] += 1.0
+
+    def close(self):
+        pass
+
+
+def test_a_solve_after_the_end_of_another_program_is_no_idling(monkeypatch):
+    """Paths with friction solve one program before and after others."""
+    for name in CLOCKS:
+        monkeypatch.setattr(time, name, lambda name=name: CLOCKS[name])
+    program = la.discretise(la.examples.beam()).program
+    worker = SolverWorker()
+    worker.open(f"{__name__}:SolvesForASecond", "")
+    for number in (1, 2):
+        worker.prepare(number, program, {})
+    worker.close(2)
+    assert worker.rest() == ""
+    worker.solve(1, associated_contact(program.contact))
+    assert not worker.was_busy()
