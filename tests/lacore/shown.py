@@ -139,6 +139,7 @@ def values():
         *(la.AdaptiveSteps(1 / 3), la.LeastNorm(), la.Time(), la.FootingTravel()),
         *(la.Remeshing(size={LONG: 1 / 3}), la.Steady(1 / 3, wide)),
         *(la.ToolTravel({LONG: (1 / 3, wide), "b": (0, -1)}), la.Hook(print)),
+        la.PathProgress(LONG, 1, wide, None, None, lambda: None, lambda: None),
         la.Tool(la.shapes.disc((1 / 3, wide), 1 / 3), (LONG, LONG), (1 / 3, wide)),
         *(la.PointTravel(LONG, (1 / 3, wide), (0, 1)), la.SolverProcess()),
         *(*drawn(), la.sections.Section(((-1 / 3, 0), (1 / 3, 0)), LONG)),

@@ -20,7 +20,7 @@ friction the force is larger, at most that of a wedge to which the material stic
 from math import nan
 
 import lacore as la
-from verification.case import Band, Case, Reference, Variant
+from verification.case import Band, Case, First, Reference, Variant
 from verification.case.following import Following, Reading, last_load
 from verification.cases.shared.wedge_meshes import Columns, Hill, lip_error
 
@@ -28,13 +28,15 @@ TRAVEL = 1.0
 _CELL = 3.0  # smallest cell, in steps: a step moves no vertex past a cell
 _LIP = 0.1  # largest distance of the lip from the exact one, per depth: half of a cell at its end
 _ROUGH = 1.5  # largest force on the way of a wedge that sticks, per that of a smooth one
-_VOLUME = 3e-4  # a new mesh straightens the edge at the end of the contact
+_VOLUME = 0.12  # a step, times steps^2: a new mesh straightens the edge at the end of the contact
 _CELLS = 0.45  # largest relative error of the force times the number of cells along the face
 
 
-def build(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> la.Problem:
-    """The right half before it is touched; the force on its corner stands for the tool."""
-    mesh = Columns(half_angle, cells, _CELL * TRAVEL / steps).first()
+def build(
+    start: float, half_angle: float, friction: float, cells: int, steps: int, scheme: str
+) -> la.Problem:
+    """The right half before it is touched, with cells of `start` steps where it will be."""
+    mesh = Columns(half_angle, cells, start * TRAVEL / steps).first()
     return la.Problem(
         bodies={"body": la.Body(mesh, la.VonMises(shear_strength=1.0), space="q2")},
         supports=[
@@ -57,7 +59,7 @@ def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str
         la.ToolTravel({"wedge": (0.0, -1.0)}),
         exact=(lambda travel: _force(half_angle, travel)) if smooth else None,
         load="force",
-        volume=_VOLUME,
+        volume=_VOLUME / steps**2,
         reading=_lip(half_angle) if smooth else _ratio(half_angle),
         tools={"wedge": la.Tool(wedge, ("body", "top"), (0, -1), friction=friction)},
         remesh=Columns(half_angle, cells, _CELL * TRAVEL / steps),
@@ -136,12 +138,12 @@ CASE = Case(
     hand_calculation=f"""\
 fan angle:  cos(2 beta - theta) = cos(theta)/(1 + sin(theta))
 pressure:   p = 2k (1 + theta)
-contact:    h = c/(cos(beta) - sin(beta - theta)), and the lip is as long
+contact:    h = c/(cos(beta) - sin(beta - theta)), length of the lip
 force:      F = 2 p h sin(beta) on the whole wedge
 beta = 30:  F = {Hill(30).force:.6f} k c
 beta = 45:  F = {_SMOOTH:.6f} k c
 """,
-    meshes={"coarse": {}},
+    meshes={"coarse": {"start": _CELL}, "medium": {"start": 2.0}, "fine": {"start": 1.5}},
     build=build,
     reference=reference,
     band=band,
@@ -149,17 +151,24 @@ beta = 45:  F = {_SMOOTH:.6f} k c
     path=path,
     variants=tuple(
         Variant(
-            f"{'smooth' if friction == 0 else f'mu-{friction:g}'}-{angle:g}",
+            name,
             {
                 "half_angle": angle,
                 "friction": friction,
                 "cells": 6,
-                "steps": 20,
+                "steps": steps,
                 "scheme": "leapfrog",
             },
             meshes=("coarse",),
             unfit={"regularised": "penalised contact lets the tip sink into the first cells"},
         )
-        for angle, friction in ((45.0, 0.0), (30.0, 0.0), (45.0, 0.1), (45.0, 0.3))
+        for name, angle, friction, steps in (
+            ("smooth-45", 45.0, 0.0, 20),
+            ("smooth-30", 30.0, 0.0, 20),
+            ("mu-0.1-45", 45.0, 0.1, 20),
+            ("mu-0.3-45", 45.0, 0.3, 20),
+            ("10-steps", 45.0, 0.0, 10),
+        )
     ),
+    first=First(variant="10-steps"),
 )

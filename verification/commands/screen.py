@@ -19,7 +19,7 @@ LINES = 60
 WIDTH = 120
 """Characters of a line."""
 _VARIANTS = 42  # lines for cases; with more variants each case gets one
-_NAMES = 8  # of them for names alone, where cases are still more
+_NAMES = 9  # of them for names alone, where cases are still more
 _RATES = 4  # lines for the rates of backends
 _CHANGES = 20  # lines for runs that changed from one version to the next
 _REASONS = 7  # lines for what fell short
