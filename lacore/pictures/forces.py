@@ -1,4 +1,4 @@
-"""Pictures of forces: lines of thrust between blocks, reactions of feet, live loads."""
+"""Pictures of forces: lines of thrust between blocks, reactions of feet, reference loads."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -163,7 +163,7 @@ def _thrust(
 
 
 def _largest_load(state: LimitState) -> float:
-    """Largest single force of the live loads, times the load factor, and of the dead ones, N/m."""
+    """Largest single force of reference loads times the load factor, and of dead loads, N/m."""
     point, program = state.point, state.discretisation.full
     assert point is not None
     live = abs(point.load_factor) * float(np.abs(program.reference_load).max())

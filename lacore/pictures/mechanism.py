@@ -38,7 +38,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     """Picture of the mechanism: deformed meshes, displaced blocks and frames, what contact does.
 
     With rigid blocks or frames a second picture shows what they carry: the forces in joints as
-    lines of thrust, the moments of members, the reactions of feet, and the live loads. Below,
+    lines of thrust, the moments of members, the reactions of feet, and the reference loads. Below,
     for each interface of a continuum, means over its edges of reactions and velocities: point
     values of reactions oscillate and mean nothing. Blocks in space are drawn in three pictures, see
     `lacore.pictures.space.mechanism.plot_in_space`. Of a state of a path the planes are drawn that

@@ -19,7 +19,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 
 
 def build(mu: float, W: float, b: float, h: float) -> la.Problem:
-    """Block and floor, live load and dead load at the centroid."""
+    """Block and floor, reference load and dead load at the centroid."""
     blocks = la.BlockAssembly(
         {
             "floor": la.masonry.rectangle(-b, b, -h, 0),

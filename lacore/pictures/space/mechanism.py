@@ -113,7 +113,7 @@ def _draw_thrust(axes: Axes3D, motion: Motion, touches: Touches, units: Units) -
 
 
 def _draw_load(axes: Axes3D, state: LimitState, motion: Motion) -> list[Artist]:
-    """The resultant of the live load, an arrow that ends where it acts."""
+    """The resultant of the reference load, an arrow that ends where it acts."""
     d = state.discretisation
     loads = []
     for name, dofs in d.solids.items():
