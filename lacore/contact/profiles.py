@@ -106,10 +106,8 @@ class Profile(Compact):
         away = points[:, :, None] - own.centre[:, None]
         turn = np.sign(own.sweep)
         angle = turn * (np.arctan2(away[1], away[0]) - own.start) % (2 * np.pi)
-        sweep = np.abs(own.sweep)
-        beyond = angle > sweep  # to the nearer end
-        angle = np.where(beyond, np.where(angle - sweep < 2 * np.pi - angle, sweep, 0.0), angle)
-        angle = own.start + turn * angle
+        # Beyond an arc, the nearer one of its ends may be the other: the line there has it.
+        angle = own.start + turn * np.minimum(angle, np.abs(own.sweep))
         ray = np.stack([np.cos(angle), np.sin(angle)])
         return own.centre[:, None] + own.radius * ray, turn * ray
 

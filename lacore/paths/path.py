@@ -162,7 +162,7 @@ class Path(Shown):
         if len(rows):
             loads = rows["load_factor"]
             title += f", load factor {loads.iloc[0]:.7g} to {loads.iloc[-1]:.7g}"
-            told["residual"] = f"gap of a load at most {rows['gap'].max():.1e}"
+            told["residual"] = f"gap of a load at most {rows['gap'].to_numpy().max():.1e}"
             told["strain"] = (
                 f"at most {rows['max_strain'].iloc[-1]:.4g}, volume"
                 f" {rows['volume'].iloc[-1]:.7g} after {rows['volume'].iloc[0]:.7g}"

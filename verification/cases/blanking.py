@@ -112,7 +112,7 @@ def reference(mu: float, steps: int, scheme: str) -> Reference:
     """Shear between vertical lines."""
     return Reference(
         _STRENGTH * THICK,
-        "k t",
+        "k t, exact for zero clearance",
         "by hand: shear between vertical lines, an upper bound; exact without clearance",
         "exact",
     )

@@ -47,17 +47,16 @@ def lines(stated: Stated, found: Followed) -> dict[str, str]:
     rows = path.history
     told = {"path": f"{_reached(path, units)}, {_in_words(path.message, units)}"}
     if len(rows):
-        loads, overlap = rows["load_factor"], rows["overlap"].max()
+        loads, gap, overlap = (rows[own].to_numpy() for own in ("load_factor", "gap", "overlap"))
         name, size, label = "load factor", 1.0, ""
         if not stated.problem.reference_loads:  # tools drive the path: it is their force
             name, size, label = "force", units.size(_force(path)), f" {units.label(_force(path))}"
         told[name] = (
-            f"{loads.iloc[0] / size:.6g} to {loads.iloc[-1] / size:.6g}{label}, certified in each"
-            " step, but not a bound"
+            f"{loads[0] / size:.6g} to {loads[-1] / size:.6g}{label}, {certified(path)}, but not"
+            " a bound"
         )
-        told["residual"] = (
-            f"gap {rows['gap'].max():.1e}, overlap of bodies {units.told(overlap, 'm', digits=2)}"
-        )
+        deepest = units.told(float(overlap.max()), "m", digits=2)  # NaN where one of them is
+        told["residual"] = f"gap {gap.max():.1e}, overlap of bodies {deepest}"
         if forces := _forces(path, units):
             told["force on tools"] = forces
     kinds = path.events["kind"].value_counts()
@@ -65,6 +64,14 @@ def lines(stated: Stated, found: Followed) -> dict[str, str]:
     solves = counted(int(rows["solves"].sum()), "solve")
     told["solver"] = f"{found.backend}, {solves}, {found.seconds:.3g} s in total"
     return told
+
+
+def certified(path: la.Path) -> str:
+    """Say in how many steps the gap of the certificate is within the tolerance; NaN is not."""
+    gap = path.history["gap"].to_numpy()
+    tolerance = float("nan") if path.last is None else path.last.tolerance
+    count = int(np.sum(gap <= tolerance))
+    return f"certified in {'each step' if count == gap.size else f'{count} of {gap.size} steps'}"
 
 
 def _forces(path: la.Path, units: Units) -> str:

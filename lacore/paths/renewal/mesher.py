@@ -111,7 +111,7 @@ class Remeshing(Compact):
         return [
             name
             for name, mesh in now.items()
-            if np.any(mean_ratios(mesh) < self.quality * mean_ratios(before[name]))
+            if not np.all(mean_ratios(mesh) >= self.quality * mean_ratios(before[name]))
         ]
 
     def _made(self, name: str, mesh: Mesh, problem: Problem, keep: Sequence[Point]) -> Mesh:

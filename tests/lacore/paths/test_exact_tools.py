@@ -176,6 +176,17 @@ def test_a_corner_between_vertices_is_kept_out():
     assert curves.middle[1, edge] <= tip + 1e-9
 
 
+def test_a_corner_pushes_from_the_moment_of_touch_on():
+    """A tip 0.02 m above an edge moves by 0.05 m: the edge below it gives way by the difference."""
+    held = block()
+    held = la.Problem(held.bodies, supports=[*held.supports, la.Fix("block", "bottom", "y")])
+    wedge = la.Tool(la.shapes.wedge((0.25, 0.52), 30), ("block", "top"), (0, -1))
+    path = pressed({"wedge": wedge}, travel=0.05, scheme="explicit", problem=held)
+    before, after = (own.configuration.nodes["block"] for own in path.snapshots)
+    (below,) = np.flatnonzero((before[0] == 0.25) & (before[1] == 0.5))
+    assert before[1, below] - after[1, below] == pytest.approx(0.03, abs=1e-7)
+
+
 def mesh_middles(body):
     return body.curves(np.asarray(body.mesh.boundaries["top"])).middle[0]
 

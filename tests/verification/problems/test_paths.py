@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pandas as pd
@@ -13,6 +14,7 @@ import lacore as la
 from lacore.files.problem.reading import read
 from tests.verification.command_line import lacore
 from verification.problems import starters
+from verification.problems.path_page import certified
 
 BAR = """\
 title = "A bar that is drawn out"
@@ -317,3 +319,11 @@ def test_starters_with_a_path_are_followed(name, tmp_path):
     )
     told = result.stdout.split("to a travel of ")[0].split()[-2:]
     assert f"path of {' '.join(told)} to travel" in script.stdout
+
+
+def test_a_step_whose_gap_is_unknown_or_large_is_not_certified():
+    path = la.sequential(la.examples.footing(), travel=0.01, steps=2)
+    assert certified(path) == "certified in each step"
+    for gap in (float("nan"), 1e-3):
+        worse = replace(path, history=path.history.assign(gap=[1e-9, gap]))
+        assert certified(worse) == "certified in 1 of 2 steps"
