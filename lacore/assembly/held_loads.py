@@ -103,8 +103,8 @@ def require_stated_side(
                     raise InputError(
                         field,
                         load.told,
-                        f"acts along {interface.name}, where the body may slip at its own strength,"
-                        " and does not say on which side of the slip",
+                        f"acts along {interface.name}, where the body can slip at its own strength;"
+                        " it is not defined on which side of the slip surface the load acts",
                         "load the other body, or another part of the boundary",
                     )
 

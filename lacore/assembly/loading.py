@@ -111,7 +111,7 @@ def require_load(loads: Sequence[Load]) -> None:
         raise InputError(
             "Problem.reference_loads",
             None,
-            "there is none, so nothing that the load factor could multiply",
+            "there is none, so there is nothing that the load factor could multiply",
             "give at least one load, or let lacore.sequential(..., tools={...}) drive a path",
         )
 

@@ -112,11 +112,6 @@ class Profile(Compact):
         return own.centre[:, None] + own.radius * ray, turn * ray
 
 
-def no_lines() -> Lines:
-    """None."""
-    return Lines(np.zeros((2, 0)), np.zeros((2, 0)), np.zeros(0), np.zeros(0))
-
-
 def no_arcs() -> Arcs:
     """None."""
     return Arcs(np.zeros((2, 0)), np.zeros(0), np.zeros(0), np.zeros(0))

@@ -320,7 +320,7 @@ def _remeshed(
     counts = ", ".join(f"{name} has {mesh.nelements} elements" for name, mesh in meshes.items())
     strains = transfer_text(old, here.configuration, stage, configuration, list(meshes))
     what = (
-        f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} of itself; {strains}"
+        f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} (relative); {strains}"
     )
     log.enter(stage, gauge, NewMeshes(here.step + 1, here.configuration.nodes, dict(meshes)))
     log.event("remeshed", here.step + 1, here.travel, what)

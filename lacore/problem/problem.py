@@ -150,7 +150,7 @@ class Problem(Shown):
             raise InputError(
                 "Problem.reference_loads",
                 self.reference_loads[0].told,
-                "is zero, so nothing that the load factor could multiply",
+                "is zero, so there is nothing that the load factor could multiply",
                 "give at least one load that is not",
             )
         dimension = dimension_of(self.bodies)

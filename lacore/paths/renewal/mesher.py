@@ -1,4 +1,4 @@
-"""New meshes by themselves: where elements are distorted, before one turns over (T31)."""
+"""Automatic remeshing: before distorted elements are inverted (T31)."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def new_meshes(
     bodies: Sequence[str],
     control: Control,
 ) -> Mapping[str, Mesh]:
-    """New meshes by a function, or by itself; of all bodies where `bodies` is empty.
+    """New meshes by a function, or automatic ones; of all bodies where `bodies` is empty.
 
     Args:
         remesh: of the path.
@@ -177,7 +177,8 @@ def transfer_text(
     ]
     jump = max((own for own, _ in errors), key=abs)
     apart = max(own for _, own in errors)
-    return f"integral of strain jumps by {jump:+.2e} of itself, strains differ by up to {apart:.2e}"
+    integral = f"integral of strain jumps by {jump:+.2e} (relative)"
+    return f"{integral}, strains differ by up to {apart:.2e}"
 
 
 def carried(control: Control, stage: Stage, configuration: Configuration) -> Control:

@@ -91,7 +91,7 @@ def test_a_traction_inside_a_seam_is_rejected(space):
         interfaces=[la.Interface(("upper", "bottom"), ("lower", "top"), la.BOND)],
         reference_loads=[la.Traction("upper", "bottom", (1.0, 0.0))],
     )
-    with pytest.raises(la.InputError, match="on which side of the slip"):
+    with pytest.raises(la.InputError, match="on which side of the slip surface"):
         la.solve(bonded)
 
 
@@ -102,5 +102,5 @@ def test_a_traction_along_what_sticks_is_rejected_where_the_body_slips():
         reference_loads=[la.RigidFooting("block", "left", (1, 0))],
         dead_loads=[la.Traction("block", "bottom", (0.5, 0.0)), la.Pressure("block", "top", 3.0)],
     )
-    with pytest.raises(la.InputError, match="on which side of the slip"):
+    with pytest.raises(la.InputError, match="on which side of the slip surface"):
         la.upper_bound(stated)

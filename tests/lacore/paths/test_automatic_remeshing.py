@@ -1,4 +1,4 @@
-"""Remeshing by itself: quality and sizes of elements, outlines, and paths that continue."""
+"""Automatic remeshing: quality and sizes of elements, outlines, and paths that continue."""
 
 import re
 from dataclasses import replace
