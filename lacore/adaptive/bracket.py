@@ -137,7 +137,7 @@ class Bracket(Shown):
     @property
     def polygonal(self) -> bool:
         """Whether straight edges stand for a curved outline: both bounds are of that polygon."""
-        bodies = self.upper_bound.discretisation.bodies.values()
+        bodies = self.upper_bound.discretisation.continua.values()
         return any(dofs.body.geometry != "exact" for dofs in bodies)
 
     @property
@@ -189,7 +189,7 @@ class Bracket(Shown):
         """Whether both bounds were found on the same mesh, and of the same problem."""
         if self.coulomb:
             return False
-        above, below = self.upper_bound.discretisation.bodies, self.lower_bound.model.bodies
+        above, below = self.upper_bound.discretisation.continua, self.lower_bound.model.continua
         meshes = [(above[name].body.mesh, below[name].body.mesh) for name in above]
         return all(
             np.array_equal(one.t, other.t) and np.array_equal(one.p, other.p)
@@ -255,7 +255,7 @@ def crossing(lower: LowerBound, upper: UpperBound) -> str:
     natural = upper.discretisation.natural
     moving = natural.load_factor * float(np.abs(upper.velocity).max()) / natural.velocity
     size = max(abs(below), abs(above), power, moving)
-    exact = exactness(dofs.body for dofs in upper.discretisation.bodies.values())
+    exact = exactness(dofs.body for dofs in upper.discretisation.continua.values())
     if below - above <= _SUMMED * exact * size:
         return ""
     return f"lower bound {below:.9g} above upper bound {above:.9g}, width {width(below, above):.3%}"

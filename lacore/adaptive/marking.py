@@ -25,18 +25,18 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
     the unit of load factors.
     """
     discretisation = bound.discretisation
-    if discretisation.bodies[body].body.dimension == 3:
+    if discretisation.continua[body].body.dimension == 3:
         return bound.dissipation[body]  # with its jumps: where the mechanism is (T92)
     groups, point = discretisation.full.groups, bound.state.point
     assert point is not None
-    dofs, whole = discretisation.bodies[body], bound.dissipation[body]
+    dofs, whole = discretisation.continua[body], bound.dissipation[body]
     slipped = np.zeros((whole.size, 3))
     if body in discretisation.slips:
         slip = discretisation.slips[body]
         beside = dofs.body.mesh.f2t[0, slip.facets]
         np.add.at(slipped, beside, slip.layer(dofs, bound.velocity))
-    ours = _of(body, by_body(discretisation.bodies, groups))
-    means = _of(body, by_body(discretisation.bodies, point.mean_stress))
+    ours = _of(body, by_body(discretisation.continua, groups))
+    means = _of(body, by_body(discretisation.continua, point.mean_stress))
     shares = []
     for region, group, mean in zip(dofs.body.regions, ours, means, strict=True):
         count = region.elements.size
@@ -71,7 +71,7 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
     (elements,), in the unit of load factors.
     """
     assert bound.point is not None
-    bodies = bound.model.bodies
+    bodies = bound.model.continua
     solid = bodies[body].body.dimension == 3
     corners = len(bodies[body].body.mesh.t)
     groups = _of(body, by_body(bodies, bound.model.program.groups))
@@ -107,7 +107,7 @@ def shared_shares(upper: UpperBound, lower: LowerBound) -> Floats:
     there; the multipliers of the lower bound move there.
     """
     gap = np.concatenate(list(gap_identity(upper, lower).elements.values()))
-    own = np.concatenate([lower_shares(lower, name) for name in lower.model.bodies])
+    own = np.concatenate([lower_shares(lower, name) for name in lower.model.continua])
     gap = np.maximum(gap, 0.0)
     return np.asarray(_parts(gap) + _LOWER * _parts(own))
 

@@ -32,7 +32,7 @@ class Discretisation(Shown):
         program: the program for the free unknowns q, SI units.
         free_basis: ``U = free_basis @ q``.
         held_nodes: which nodes a support or a footing acts on, shape (nodes of all continua,).
-        bodies: continua by name.
+        continua: deformable bodies by name.
         assemblies: rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
         solids: rigid blocks in space by name.
@@ -54,7 +54,7 @@ class Discretisation(Shown):
     program: KinematicProgram
     free_basis: Sparse
     held_nodes: Bools
-    bodies: Mapping[str, BodyDofs]
+    continua: Mapping[str, BodyDofs]
     assemblies: Mapping[str, RigidDofs]
     frames: Mapping[str, FrameDofs]
     solids: Mapping[str, RigidDofs3D]
@@ -69,7 +69,7 @@ class Discretisation(Shown):
     @property
     def scope(self) -> Scope:
         """Of which problem its load factors are."""
-        return Scope.DISCRETE if self.bodies or self.crushing.size else Scope.ITSELF
+        return Scope.DISCRETE if self.continua or self.crushing.size else Scope.ITSELF
 
     def worth(self, rigor: Rigor) -> str:
         """What a load factor proves; where nothing is discretised, it bounds no continuum."""
@@ -111,7 +111,7 @@ class Discretisation(Shown):
             "contact": listed(self.points.names) or "none",
             "scales": f"{natural.length:.4g} m, {natural.stress:.4g} Pa",
         }
-        if needed := velocity_memory({name: dofs.body for name, dofs in self.bodies.items()}):
+        if needed := velocity_memory({name: dofs.body for name, dofs in self.continua.items()}):
             told["memory"] = told_memory(needed)
         return Facts(f"Discretisation: {free}, of {self.scope.value}", told)
 
@@ -122,6 +122,6 @@ class Discretisation(Shown):
     @property
     def n_elements(self) -> int:
         """Elements of meshes, rigid blocks and rigid pieces of members."""
-        elements = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
+        elements = sum(dofs.body.mesh.nelements for dofs in self.continua.values())
         blocks = sum(len(dofs.body.names) for dofs in self.jointed.values())
         return int(elements) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())

@@ -124,7 +124,7 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         velocity = velocity / float(program.reference_load @ velocity)
         dissipation = plastic_power(discretisation, velocity, 1)
     restricted = np.zeros(static.n)
-    for name, multipliers in lower.model.bodies.items():
+    for name, multipliers in lower.model.continua.items():
         nodes, values = _restricted(discretisation, name, multipliers, velocity)
         for axis, own in enumerate(values):
             restricted[len(values) * nodes + axis] = own
@@ -138,11 +138,11 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
     for group, s, p in zip(static.groups, t.stress, t.mean_stress, strict=True):
         power = np.sum(s * group.cone_vectors(restricted), axis=1)
         powers.append(group.weights * (power + p * (group.volumetric @ restricted)))
-    for name, dofs, parts in by_body(lower.model.bodies, powers):
+    for name, dofs, parts in by_body(lower.model.continua, powers):
         elements[name] = dissipation[name] - element_sums(dofs.body, parts)
         if lower.model.bulging.any:
             bulging = lower.model.bulging.at(name, lower.load_factor)
-            elements[name] -= bubble_power(bulging, discretisation.bodies[name], velocity)
+            elements[name] -= bubble_power(bulging, discretisation.continua[name], velocity)
 
     rows, contact = program.contact, static.contact
     limit = np.where(np.isfinite(rows.limit), rows.limit, 0.0)
@@ -157,14 +157,14 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         lower=lower.load_factor,
         elements=elements,
         interfaces=dict(zip(names, shares.tolist(), strict=True)),
-        bodies={name: discretisation.bodies[name].body for name in lower.model.bodies},
+        bodies={name: discretisation.continua[name].body for name in lower.model.continua},
     )
 
 
 def _restricted(
     discretisation: Discretisation, name: str, multipliers: EquilibriumDofs, velocity: Floats
 ) -> tuple[Ints, Floats]:
-    dofs = discretisation.bodies[name]
+    dofs = discretisation.continua[name]
     if dofs.body.dimension == 3:
         speeds = velocity[discretisation.footings]
         return solid_restriction(name, dofs, multipliers, velocity, discretisation.problem, speeds)
@@ -215,7 +215,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
         upper.discretisation.program, "upper", "take the bounds of one problem, or lacore.solve's"
     )
     stated, contact = upper.discretisation, upper.discretisation.full.contact
-    continua, blocks = stated.bodies, stated.assemblies
+    continua, blocks = stated.continua, stated.assemblies
     require_associated_flow(of_kind(stated.problem.bodies, Body))
     if contact.coulomb.any():
         raise InputError(
@@ -228,7 +228,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
         [(name, dofs.body.names, dofs.body.edges.start.tolist()) for name, dofs in own.items()]
         for own in (blocks, lower.model.assemblies)
     ]
-    if list(continua) != list(lower.model.bodies) or outlines[0] != outlines[1] or stated.frames:
+    if list(continua) != list(lower.model.continua) or outlines[0] != outlines[1] or stated.frames:
         raise InputError(
             "upper",
             list(stated.problem.bodies),
@@ -243,7 +243,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
                 "its dissipation is no bound, so that shares could be negative",
                 "give its `upper_bound`, or solve with Body(space='p2-vertex')",
             )
-        mesh, other = dofs.body.mesh, lower.model.bodies[name].body.mesh
+        mesh, other = dofs.body.mesh, lower.model.continua[name].body.mesh
         same = np.array_equal(mesh.t, other.t) and np.array_equal(mesh.p, other.p)
         if not same:
             raise InputError(

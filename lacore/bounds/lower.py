@@ -135,7 +135,7 @@ class LowerBound(Shown):
 
     def picture(self) -> Picture:
         """The stresses of continua, or the problem where there are none."""
-        if self.point is None or not self.model.bodies:
+        if self.point is None or not self.model.continua:
             return Picture(self.model.problem.plot(), "the problem")
         return Picture(self.plot())
 
@@ -160,7 +160,7 @@ class LowerBound(Shown):
     @property
     def effective_stress(self) -> dict[str, Floats]:
         """What the skeleton carries of `stress`, and criteria judge (T64): without water all."""
-        point, bodies = self._point(), self.model.bodies
+        point, bodies = self._point(), self.model.continua
         stresses = by_body(bodies, point.stress)
         means = by_body(bodies, point.mean_stress)
         return {
@@ -172,7 +172,7 @@ class LowerBound(Shown):
     def pore_pressure(self) -> dict[str, Floats]:
         """Pressure of the water in the pores there, by body, shape (elements, 3), Pa."""
         water = pore_pressures(self.model.problem, self._point().load_factor)
-        return {name: water[name][own.body.mesh.t.T] for name, own in self.model.bodies.items()}
+        return {name: water[name][own.body.mesh.t.T] for name, own in self.model.continua.items()}
 
     @property
     def reactions(self) -> pd.DataFrame:
@@ -262,7 +262,7 @@ def _found(
     check_capable(engine, program)
     build_time, clock = time.perf_counter() - begin, SolveClock()
     make_ready(engine)
-    exact = exactness(dofs.body for dofs in model.bodies.values())
+    exact = exactness(dofs.body for dofs in model.continua.values())
     attempts, status, ray = list[Attempt](), Status.NOT_CERTIFIED, None
     tolerance = nominal_tolerance(engine, engine_options)
     good = max(_GOOD, _LEFT * tolerance)
@@ -313,7 +313,7 @@ def _bound(
     rigor = Rigor.NOT_CERTIFIED
     if status is Status.SOLVED and last.state is not None:
         load_factor = last.state.load_factor * scales.load_factor
-        exact = all(dofs.body.geometry == "exact" for dofs in model.bodies.values())
+        exact = all(dofs.body.geometry == "exact" for dofs in model.continua.values())
         rigor = Rigor.LOWER if exact else Rigor.DISCRETE
     message = f"{status.label}: {status.value}"
     if status is Status.UNSAFE:
@@ -354,7 +354,7 @@ def _bound(
 
 def _fix(model: StaticModel) -> str:
     """What to do about stresses that are not admissible in the end."""
-    dead, bodies = model.full.dead_load, {name: own.body for name, own in model.bodies.items()}
+    dead, bodies = model.full.dead_load, {name: own.body for name, own in model.continua.items()}
     weak = {name: own for name, body in bodies.items() if (own := hardly_any(body, dead))}
     if weak:  # neither a tolerance nor a mesh leaves them more
         return "; ".join(

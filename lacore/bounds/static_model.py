@@ -60,7 +60,7 @@ class StaticModel(Shown):
         full: the program for all multipliers, SI units.
         program: the program for the free unknowns, SI units; stresses, reactions and load factor
             are its multipliers.
-        bodies: continua by name.
+        continua: deformable bodies by name.
         assemblies: rigid blocks by name.
         points: geometry of the contact points, the ends of facets and of joints.
         bonds: multipliers that bonded interfaces make one.
@@ -71,7 +71,7 @@ class StaticModel(Shown):
     problem: Problem
     full: KinematicProgram
     program: KinematicProgram
-    bodies: Mapping[str, EquilibriumDofs]
+    continua: Mapping[str, EquilibriumDofs]
     assemblies: Mapping[str, RigidDofs]
     points: ContactPoints
     bonds: StaticBonds
@@ -89,7 +89,7 @@ class StaticModel(Shown):
             "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
             "bodies": listed(self.problem.bodies),
         }
-        if needed := stress_memory({name: dofs.body for name, dofs in self.bodies.items()}):
+        if needed := stress_memory({name: dofs.body for name, dofs in self.continua.items()}):
             told["memory"] = told_memory(needed)
         return Facts(f"StaticModel: {counted(self.program.n, 'free multiplier')}", told)
 
@@ -100,7 +100,7 @@ class StaticModel(Shown):
             InputError: nothing is left somewhere.
         """
         full, program = (
-            weakened(own, self.bodies, self.bulging, load_factor)
+            weakened(own, self.continua, self.bulging, load_factor)
             for own in (self.full, self.program)
         )
         return replace(self, full=full, program=program)
@@ -108,7 +108,7 @@ class StaticModel(Shown):
     @property
     def n_elements(self) -> int:
         """Triangles, or tetrahedra, and rigid blocks."""
-        triangles = sum(int(dofs.body.mesh.nelements) for dofs in self.bodies.values())
+        triangles = sum(int(dofs.body.mesh.nelements) for dofs in self.continua.values())
         return triangles + sum(len(dofs.body.names) for dofs in self.assemblies.values())
 
 
@@ -176,7 +176,7 @@ def static_model(problem: Problem) -> StaticModel:
         problem=problem,
         full=full,
         program=program,
-        bodies=bodies,
+        continua=bodies,
         assemblies=assemblies,
         points=points.kept(kept),
         bonds=bonds,

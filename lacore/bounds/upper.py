@@ -177,7 +177,7 @@ def upper_bound(
         )
     require_known_strengths(of_kind(given.bodies, Body))
     require_known_forces(given)
-    for name, dofs in discretisation.bodies.items():
+    for name, dofs in discretisation.continua.items():
         if dofs.body.pressed and not dofs.space.strict:
             raise InputError(
                 f"Problem.bodies[{name!r}].space",
@@ -272,7 +272,7 @@ def _bound(
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
     power = plastic_power(discretisation, velocity, _PARTS)
-    exact = exactness(d.body for d in discretisation.bodies.values())
+    exact = exactness(d.body for d in discretisation.continua.values())
     corners = driven_corners(discretisation, velocity, state.tolerance)
     # Where strength depends on pressure, flow is possible or it is not: nothing is round-off, but
     # that of what moves as rigid.
@@ -293,11 +293,11 @@ def _bound(
     proves = max(leak, penetration) <= exact and possible and not corners
     rigor = Rigor.NOT_CERTIFIED
     if proves:
-        bodies = discretisation.bodies.values()
+        bodies = discretisation.continua.values()
         strict = all(d.linear and d.body.geometry == "exact" for d in bodies)
         rigor = Rigor.UPPER if strict else Rigor.DISCRETE
     full = discretisation.full
-    hinges = full.groups[region_count(discretisation.bodies) + len(discretisation.jumping) :]
+    hinges = full.groups[region_count(discretisation.continua) + len(discretisation.jumping) :]
     load_factor = (
         sum(float(part.sum()) for part in power.values())
         + sum(float(group.dissipation(velocity).sum()) for group in hinges)
@@ -371,7 +371,7 @@ def plastic_power(
             of the convex dissipation. 1 is the rule of the program, whatever its strain points.
     """
     power = {}
-    for name, dofs, groups in by_body(discretisation.bodies, discretisation.full.groups):
+    for name, dofs, groups in by_body(discretisation.continua, discretisation.full.groups):
         if parts > 1 and dofs.linear:
             regions = zip(dofs.body.regions, groups, strict=True)
             own = [on_lattice(region, g, velocity, dofs.space, parts) for region, g in regions]

@@ -80,7 +80,7 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     numbers = {name: place for place, name in enumerate(d.problem.bodies)}
     parts = [
         _flowing(state, name, groups, numbers[name])
-        for name, _, groups in by_body(d.bodies, state.program.groups)
+        for name, _, groups in by_body(d.continua, state.program.groups)
     ]
     for name, blocks in d.assemblies.items():
         parts += _rigid(blocks, velocity[name], numbers[name])
@@ -97,9 +97,9 @@ def _flowing(
 ) -> _Part:
     """A continuum of a limit state."""
     assert state.point is not None
-    dofs = state.discretisation.bodies[name]
+    dofs = state.discretisation.continua[name]
     rate = equivalent_rate(dofs, groups, state.point.velocity)
-    pressures = by_body(state.discretisation.bodies, state.point.mean_stress)
+    pressures = by_body(state.discretisation.continua, state.point.mean_stress)
     (pressure,) = [own for body, _, own in pressures if body == name]
     strengths = [
         (group.carried(mean) / strain_per_length(region)).reshape(region.elements.size, -1)

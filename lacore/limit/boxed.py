@@ -54,7 +54,9 @@ def _beyond(state: LimitState) -> str:
 def _room(state: LimitState) -> str:
     """What to lend to bodies in which solvers find no digits."""
     found = state.discretisation
-    weak = {name: dofs.body for name, dofs in found.bodies.items() if any(strengthless(dofs.body))}
+    weak = {
+        name: dofs.body for name, dofs in found.continua.items() if any(strengthless(dofs.body))
+    }
     return "; ".join(
         f"{name!r} carries nothing where nothing presses it, which leaves solvers no room:"
         f" {lend(body, found.full.dead_load)}, by which its load factor hardly rises; or take"

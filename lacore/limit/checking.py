@@ -123,10 +123,10 @@ def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike])
     u = stored.copy()
     rigid: dict[str, AnyRigidDofs | FrameDofs] = {**d.jointed, **d.frames}
     for name, values in given.items():
-        require_known("velocity", name, [*d.bodies, *rigid])
+        require_known("velocity", name, [*d.continua, *rigid])
         field = f"velocity[{name!r}]"
-        if name in d.bodies:
-            dofs = d.bodies[name].dofs
+        if name in d.continua:
+            dofs = d.continua[name].dofs
             u[dofs] = numbers(field, values, dofs.shape)
         else:
             part = rigid[name]
@@ -150,7 +150,7 @@ def _with_stress(
     """
     stresses, means, unlike = list(point.stress), list(point.mean_stress), 0.0
     water = pore_pressures(d.problem, point.load_factor)
-    for name, dofs, own_groups in by_body(d.bodies, range(len(stresses))):
+    for name, dofs, own_groups in by_body(d.continua, range(len(stresses))):
         if name not in given:
             continue
         count = 6 if dofs.body.dimension == 3 else 4
@@ -168,7 +168,7 @@ def _with_stress(
         off = float(np.abs(sigma - kept).max(initial=0.0)) / largest
         unlike = float(np.maximum(unlike, off))
     for name in given:
-        require_known("stress", name, d.bodies)
+        require_known("stress", name, d.continua)
     return replace(point, stress=tuple(stresses), mean_stress=tuple(means)), unlike
 
 

@@ -91,15 +91,15 @@ def _held(
     discretisation: Discretisation, velocity: Floats | None
 ) -> Iterator[tuple[Fix, BodyDofs, Floats, float]]:
     """Supports of soils, their unknowns, speeds of their nodes, and the largest of all bodies."""
-    if velocity is None or not discretisation.bodies:
+    if velocity is None or not discretisation.continua:
         return
     speeds = {
         name: np.hypot.reduce(velocity[dofs.dofs], axis=0)
-        for name, dofs in discretisation.bodies.items()
+        for name, dofs in discretisation.continua.items()
     }
     fastest = max(float(speed.max(initial=0.0)) for speed in speeds.values())
     for support in discretisation.problem.supports:
-        dofs = discretisation.bodies.get(support.body)
+        dofs = discretisation.continua.get(support.body)
         if dofs is not None and _rubs(dofs.body):
             yield support, dofs, speeds[support.body], fastest
 

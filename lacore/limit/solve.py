@@ -310,7 +310,7 @@ def limit_state(
         message += f"; every Coulomb load factor{of} is in [{lower:.6g}, {upper:.6g}]"
     rigor = _rigor(discretisation, coupled.status, coupling, regularised)
     ranging = program.frictional and coupled.status is Status.SOLVED
-    bodies = [dofs.body for dofs in discretisation.bodies.values()]
+    bodies = [dofs.body for dofs in discretisation.continua.values()]
     if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):
         message += f"; {POLYGON}"
     if ranging:
@@ -321,7 +321,7 @@ def limit_state(
     message += "".join(f"; {note}" for note in notes if note)
     if inner.message:
         message += f" ({inner.message})"
-    if coupled.status is Status.LOCKED and discretisation.bodies:
+    if coupled.status is Status.LOCKED and discretisation.continua:
         message += (
             "; of the discrete problem: a deformable body may have a motion that this mesh has not;"
             " refine it, or ask lacore.lower_bound, which speaks of the continuum"
@@ -367,7 +367,7 @@ def _rigor(
 
 def strict_bound(discretisation: Discretisation) -> bool:
     """Whether dissipation is nowhere below that of the continuum, and the power of loads exact."""
-    bodies = {name: dofs.body for name, dofs in discretisation.bodies.items()}
+    bodies = {name: dofs.body for name, dofs in discretisation.continua.items()}
     loads = [load for load in discretisation.problem.loads.values() if load.body in bodies]
     return (
         not cells.from_below(discretisation.problem)

@@ -152,7 +152,7 @@ def stability_of(
         point = point_in_si(discretisation, found.carried)
         if span_excess(discretisation, point) > tolerance:
             return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
-        why = _DISCRETE if discretisation.bodies else ""
+        why = _DISCRETE if discretisation.continua else ""
         own = [0.0, *known]
         return _stability(Standing.STANDS, own, load_factor, point, found.residual, why)
     if found.falling is None:

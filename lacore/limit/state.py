@@ -134,7 +134,7 @@ class LimitState(Shown):
         Of a frame the same of its nodes, shape (3, nodes).
         """
         u = self._point().velocity
-        nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
+        nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.continua.items()}
         blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.jointed.items()}
         frames = {name: dofs.motion(u) for name, dofs in self.discretisation.frames.items()}
         return nodal | blocks | frames
@@ -154,7 +154,7 @@ class LimitState(Shown):
         point = self._point()
         result = {}
         # Jumps and hinges come after the continua.
-        bodies = self.discretisation.bodies
+        bodies = self.discretisation.continua
         stresses = gathering.by_body(bodies, point.stress)
         for (name, dofs, own), (*_, means) in zip(
             stresses, gathering.by_body(bodies, point.mean_stress), strict=True
@@ -167,7 +167,7 @@ class LimitState(Shown):
         """Pressure of the water in the pores of continua there, shape (elements, q), Pa."""
         d = self.discretisation
         water = pore_pressures(d.problem, self._point().load_factor)
-        return {name: point_values(dofs, water[name]) for name, dofs in d.bodies.items()}
+        return {name: point_values(dofs, water[name]) for name, dofs in d.continua.items()}
 
     @property
     def dissipation(self) -> dict[str, Floats]:
@@ -182,13 +182,13 @@ class LimitState(Shown):
         u, d = self._point().velocity, self.discretisation
         power = {
             name: gathering.element_sums(dofs.body, [group.dissipation(u) for group in groups])
-            for name, dofs, groups in gathering.by_body(d.bodies, self.program.groups)
+            for name, dofs, groups in gathering.by_body(d.continua, self.program.groups)
         }
         for jumps in d.jumping:
             halves = jumps.group.dissipation(u) / 2
             for name, side in zip(jumps.bodies, jumps.elements, strict=True):
                 np.add.at(power[name], side, halves)
-        return {name: value / d.bodies[name].volumes for name, value in power.items()}
+        return {name: value / d.continua[name].volumes for name, value in power.items()}
 
     @property
     def hinges(self) -> pd.DataFrame:

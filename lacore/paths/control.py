@@ -117,7 +117,7 @@ class PointTravel(Compact):
         require_range("PointTravel.direction", self.direction)
         node = vertex_at(body, self.at, "PointTravel.at")  # vertices are the first nodes
         along = np.array(self.direction) / np.linalg.norm(self.direction)
-        return lambda d, velocity: float(along @ velocity[d.bodies[self.body].dofs[:, node]])
+        return lambda d, velocity: float(along @ velocity[d.continua[self.body].dofs[:, node]])
 
 
 @dataclass(frozen=True, repr=False)

@@ -96,7 +96,7 @@ class Flow(Compact):
     def velocity(self) -> dict[str, Floats]:
         """It by body, shape (2, nodes), m/s; of a rigid block x, y and rad/s, shape (3, 1)."""
         d, u = self.state.discretisation, self.motion
-        moving = {name: u[dofs.dofs] for name, dofs in d.bodies.items()}
+        moving = {name: u[dofs.dofs] for name, dofs in d.continua.items()}
         return moving | {name: dofs.motion(u) for name, dofs in d.assemblies.items()}
 
     @property
@@ -107,7 +107,7 @@ class Flow(Compact):
         """
         d = self.state.discretisation
         rates = {}
-        for name, dofs, groups in by_body(d.bodies, d.full.groups):
+        for name, dofs, groups in by_body(d.continua, d.full.groups):
             rates[name] = equivalent_rate(dofs, groups, self.motion)
         return rates | {name: np.zeros((1, 1)) for name in d.assemblies}
 
@@ -118,7 +118,7 @@ class Flow(Compact):
         """
         d, velocity = self.state.discretisation, self.velocity
         strains = {}
-        for name, dofs in d.bodies.items():
+        for name, dofs in d.continua.items():
             principal = duration * principal_rates(dofs, velocity[name])
             with np.errstate(divide="ignore", invalid="ignore"):
                 strain = deviatoric(2 * np.arctanh(principal / 2))
@@ -175,7 +175,7 @@ def flow(
 def _slip(problem: Discretisation, velocity: Mapping[str, Floats]) -> Floats:
     """Slip rates of a velocity of the bodies, shape (m,), m/s."""
     u = np.zeros(problem.full.n)
-    for name, dofs in problem.bodies.items():
+    for name, dofs in problem.continua.items():
         u[dofs.dofs] = velocity[name]
     for name, block in problem.assemblies.items():
         u[block.offset : block.offset + block.count] = block.unknowns(velocity[name])
@@ -224,7 +224,7 @@ class _Law:
 def _laws(d: Discretisation, moment: Moment) -> list[_Law]:
     return [
         _law(name, region, group, moment)
-        for name, dofs, groups in by_body(d.bodies, d.full.groups)
+        for name, dofs, groups in by_body(d.continua, d.full.groups)
         for region, group in zip(dofs.body.regions, groups, strict=True)
     ]
 

@@ -40,7 +40,7 @@ def plot_bracket(bracket: Bracket, units: Units = _SI) -> Figure:
         mesh_of(above.problem),
         np.concatenate(list(bracket.gaps.elements.values())),
         mesh_of(below.model.problem),
-        np.concatenate([lower_shares(below, name) for name in below.model.bodies]),
+        np.concatenate([lower_shares(below, name) for name in below.model.continua]),
         units,
     )
 

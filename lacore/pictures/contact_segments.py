@@ -104,7 +104,7 @@ def segmented_contacts(
         fastest: largest velocity, m/s; slip and opening are told from rest against it.
     """
     d = state.discretisation
-    dofs: dict[str, Dofs] = {**d.bodies, **d.assemblies, **d.frames}
+    dofs: dict[str, Dofs] = {**d.continua, **d.assemblies, **d.frames}
     interfaces = [
         _approaching(state, index, obstacle, fastest)
         for index, obstacle in enumerate(d.points.obstacles)
@@ -212,7 +212,7 @@ def _approaching(
     The segments are where the edges stand on the plane; one that is still upright has no length.
     """
     d, table = state.discretisation, state.reactions
-    dofs, facets = d.bodies[obstacle.body], obstacle.facets
+    dofs, facets = d.continua[obstacle.body], obstacle.facets
     curves = dofs.curves(facets)
     values = [curves.start, curves.end, 2 * curves.middle - (curves.start + curves.end) / 2]
 

@@ -46,7 +46,7 @@ def draw_continua(
     norm = _colour_scale(state, np.concatenate(list(dissipation.values())))
     cmap = matplotlib.colormaps["YlOrRd"].with_extremes(under=RIGID, bad=RIGID)
     picture = None
-    for name, body in state.discretisation.bodies.items():
+    for name, body in state.discretisation.continua.items():
         outline, faces = _deformed(body, state.velocity[name], stretch)
         axes.add_collection(LineCollection(boundary_lines(body), **BEFORE, zorder=1))
         picture = PolyCollection(
@@ -99,7 +99,7 @@ def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
     assert point is not None
     slip, weights = program.contact.slip(point.velocity), program.contact.weights
     friction = float(np.abs(weights[:, None] * point.tangential_reaction * slip).sum())
-    powers = zip(state.discretisation.bodies.values(), state.dissipation.values(), strict=True)
+    powers = zip(state.discretisation.continua.values(), state.dissipation.values(), strict=True)
     plastic = sum(float(body.volumes @ power) for body, power in powers)
     if plastic <= _RIGID_SHARE * (program.plastic_dissipation(point.velocity) + friction):
         return None

@@ -148,10 +148,10 @@ def _obstacle_handle() -> Patch:
 def _outline(state: LimitState) -> tuple[Floats, Floats]:
     """Points that bound the structure, m, and their velocities, m/s, shape (2, n) each."""
     d, velocity = state.discretisation, state.velocity
-    places = [dofs.nodes for dofs in d.bodies.values()]
+    places = [dofs.nodes for dofs in d.continua.values()]
     places += [dofs.body.edges.start for dofs in d.assemblies.values()]
     places += [dofs.body.position for dofs in d.frames.values()]
-    moves = [velocity[name] for name in d.bodies]
+    moves = [velocity[name] for name in d.continua]
     moves += [dofs.vertex_velocity(velocity[name]) for name, dofs in d.assemblies.items()]
     moves += [velocity[name][:2] for name in d.frames]
     return np.concatenate(places, axis=1), np.concatenate(moves, axis=1)

@@ -47,7 +47,7 @@ def draw_forces(axes: Axes, state: LimitState, thickest: float, units: Units) ->
     """
     for dofs in state.discretisation.assemblies.values():
         fill_blocks(axes, outlines(dofs, dofs.body.edges.start), held_blocks(state, dofs), 1.0)
-    for body in state.discretisation.bodies.values():
+    for body in state.discretisation.continua.values():
         axes.add_collection(
             LineCollection(boundary_lines(body), colors="#555555", linewidths=0.9, zorder=1)
         )
@@ -250,7 +250,7 @@ def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
         square = np.sum(force**2, axis=0)
         arm = np.divide(moment, square, out=np.zeros_like(square), where=square > 0)
         yield force, rigid.body.centroid + arm * np.stack([force[1], -force[0]]), rigid.body.radius
-    for dofs in d.bodies.values():
+    for dofs in d.continua.values():
         nodal = load[dofs.dofs]
         weight = np.linalg.norm(nodal, axis=0)
         if weight.any():

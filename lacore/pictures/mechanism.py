@@ -166,7 +166,7 @@ def _parts(state: LimitState) -> str:
     """What the structure consists of: ``96 elements, 1 rigid block, 3 members``."""
     d = state.discretisation
     counts = {
-        "element": sum(body.body.mesh.nelements for body in d.bodies.values()),
+        "element": sum(body.body.mesh.nelements for body in d.continua.values()),
         "rigid block": _blocks(state),
         "member": sum(len(dofs.body.member_names) for dofs in d.frames.values()),
     }

@@ -56,7 +56,7 @@ def plot_strength(bound: LowerBound) -> Figure:
         ValueError: there is no state, or nothing that yields.
     """
     used = strength_used(bound)
-    bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
+    bodies = {name: dofs.body for name, dofs in bound.model.continua.items()}
     title = f"lower bound {bound.load_factor:.6g}"
     return _coloured(bodies, used, title, STRENGTH_USED, matplotlib.colormaps["viridis"], 1.0)
 
@@ -67,7 +67,7 @@ def strength_used(bound: LowerBound) -> dict[str, Floats]:
     Raises:
         ValueError: there is no state, or nothing that yields.
     """
-    if bound.point is None or not bound.model.bodies:
+    if bound.point is None or not bound.model.continua:
         raise ValueError("there are no stresses to show")
     point, groups = bound.point, bound.model.full.groups
     corners = bound.model.problem.dimension + 1
@@ -75,7 +75,9 @@ def strength_used(bound: LowerBound) -> dict[str, Floats]:
         group.uses(stress, mean).reshape(-1, corners).max(axis=1)
         for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True)
     ]
-    return {name: gathered(dofs.body, own) for name, dofs, own in by_body(bound.model.bodies, uses)}
+    return {
+        name: gathered(dofs.body, own) for name, dofs, own in by_body(bound.model.continua, uses)
+    }
 
 
 def plot_gap(identity: GapIdentity) -> Figure:

@@ -159,7 +159,7 @@ def _of_the_continuum(
     their points say. All dead loads together are carried from zero up to their load factor.
     """
     sure = found.standing is Standing.FALLS and strict_bound(discretisation)
-    if not discretisation.bodies or found.standing is Standing.UNDECIDED or sure:
+    if not discretisation.continua or found.standing is Standing.UNDECIDED or sure:
         return found
     if find_backend(backend).capabilities.regularised:
         backend, options = JUDGE, {}

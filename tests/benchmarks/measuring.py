@@ -80,7 +80,7 @@ def stiffness(discretisation):
     They rest on what they touch: its rows of contact are springs.
     """
     form = linear_elasticity(*lame_parameters(1.0, POISSON))
-    bodies = discretisation.bodies.values()
+    bodies = discretisation.continua.values()
     blocks = [form.assemble(Basis(b.body.mesh, b.basis.elem, intorder=2)) for b in bodies]
     basis = discretisation.free_basis
     footings = basis.shape[0] - sum(block.shape[0] for block in blocks)

@@ -16,7 +16,7 @@ P0, MU = 0.8, 0.25
 def on_free_unknowns(d, field):
     """The unknowns q whose velocity follows a field at the nodes (which must obey the supports)."""
     u = np.zeros(d.full.n)
-    u[d.bodies["block"].dofs] = field(d.bodies["block"].nodes)
+    u[d.continua["block"].dofs] = field(d.continua["block"].nodes)
     q = np.linalg.lstsq(d.free_basis.toarray(), u)[0]
     assert np.allclose(d.free_basis @ q, u, atol=1e-12), "the field breaks a support"
     return q

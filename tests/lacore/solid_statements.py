@@ -51,7 +51,7 @@ def _cone(body):
 def upper_proof(bound, level=4):
     """What the velocity of an upper bound proves, and the power of its reference load."""
     problem = bound.discretisation.problem
-    (dofs,) = bound.discretisation.bodies.values()
+    (dofs,) = bound.discretisation.continua.values()
     mesh, (load,) = dofs.body.mesh, problem.reference_loads
     assert not problem.dead_loads
     velocity = bound.velocity[dofs.dofs][:, dofs.element_nodes].transpose(2, 1, 0)

@@ -124,7 +124,7 @@ def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterato
     above, stated = found.upper_bound, below.model.problem
     if above.discretisation.problem is not stated:
         above = la.upper_bound(stated, backend)
-    marks = np.concatenate([lower_shares(below, name) for name in below.model.bodies])
+    marks = np.concatenate([lower_shares(below, name) for name in below.model.continua])
     yield _shares("lower", above, la.gap_identity(above, below), marks)
 
 

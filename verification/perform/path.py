@@ -145,7 +145,7 @@ def _volume_change(path: la.Path) -> float:
     volumes = _numbers(path.history, "volume")
     start = sum(
         float(dofs.weights.sum())
-        for dofs in la.discretise(path.stage.at(path.stage.start)).bodies.values()
+        for dofs in la.discretise(path.stage.at(path.stage.start)).continua.values()
     )
     before = np.concatenate([[start], volumes])[:-1]
     return float(np.abs(volumes / before - 1).max()) if volumes.size else nan

@@ -140,7 +140,7 @@ def _stands(own: Along[la.Critical]) -> str:
 def _proof(found: la.Critical) -> str:
     """Return what the certificates at both ends prove."""
     state = found.at_low or found.at_high
-    if state is not None and state.discretisation.bodies:
+    if state is not None and state.discretisation.continua:
         return "both certified on this mesh; for the continuum, this is an estimate"
     return "both certified"
 

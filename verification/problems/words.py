@@ -99,7 +99,7 @@ def _said(name: str, found: Any, units: Units) -> str:
 
 def worth(state: la.LimitState) -> str:
     """Return what a load factor proves."""
-    deforms = bool(state.discretisation.bodies)
+    deforms = bool(state.discretisation.continua)
     if deforms and state.rigor is la.Rigor.DISCRETE and state.status is la.Status.SOLVED:
         return "estimate: certified on this mesh, but not a bound"
     return state.discretisation.worth(state.rigor)
@@ -124,7 +124,7 @@ def mechanism(state: la.LimitState, units: Units) -> str:
 
 def _flowing(state: la.LimitState, units: Units) -> Iterator[str]:
     for name, power in state.dissipation.items():
-        dofs = state.discretisation.bodies[name]
+        dofs = state.discretisation.continua[name]
         shares = power * dofs.volumes
         if not shares.sum() > 0:
             own = float(np.abs(state.velocity[name]).max(initial=0.0))

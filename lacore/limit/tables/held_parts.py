@@ -31,7 +31,7 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
     rigid: dict[str, RigidParts] = {**d.assemblies, **d.frames, **d.solids}
     force = without_bonds(d.problem, rigid, out_of_balance(d.full, point))
     frames = []
-    for name, dofs in d.bodies.items():
+    for name, dofs in d.continua.items():
         held = d.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]
         nodal = _nodal(d, name, dofs, force, point)
         columns = dict(
@@ -54,7 +54,7 @@ def _nodal(
     d: Discretisation, name: str, dofs: BodyDofs, force: Floats, point: ProgramState
 ) -> Floats:
     """Forces of supports and footings on the nodes of a continuum, shape (d, nodes)."""
-    first = gathering.region_count(d.bodies)
+    first = gathering.region_count(d.continua)
     after = zip(point.stress[first:], point.mean_stress[first:], strict=True)
     pulled = np.zeros(force.size)  # what the body slips past pulls it back
     for jump, stresses in zip(d.jumps.values(), after, strict=False):

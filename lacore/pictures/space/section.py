@@ -53,7 +53,7 @@ def plot_section(
             them is of tetrahedra.
         ValueError: there is no point to show.
     """
-    dofs, power, velocity = state.discretisation.bodies, state.dissipation, state.velocity
+    dofs, power, velocity = state.discretisation.continua, state.dissipation, state.velocity
     bodies = {name: own.body for name, own in dofs.items()}
     plane = plane_of(point, normal)
     cuts = _cuts(plane, bodies)
@@ -87,7 +87,7 @@ def plot_strength_section(
     """
     used = strength_used(bound)
     plane = plane_of(point, normal)
-    cuts = _cuts(plane, {name: own.body for name, own in bound.model.bodies.items()})
+    cuts = _cuts(plane, {name: own.body for name, own in bound.model.continua.items()})
     told = (f"lower bound {bound.load_factor:.6g}", STRENGTH_USED, "viridis")
     return _coloured(plane, cuts, used, told, units or Units())[0]
 

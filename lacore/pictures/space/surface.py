@@ -89,7 +89,7 @@ def displaced_faces(
         The bodies, the corners of their boundary faces, m, shape (3, 3, faces), and the
         dissipation density of their elements, as a share of the largest, shape (elements,).
     """
-    dofs, velocity = state.discretisation.bodies, state.velocity
+    dofs, velocity = state.discretisation.continua, state.velocity
     bodies = {name: own.body for name, own in dofs.items()}
     size = max(body.size for body in bodies.values())
     fastest = max(float(np.linalg.norm(own, axis=0).max()) for own in velocity.values())

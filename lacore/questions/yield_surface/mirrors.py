@@ -99,7 +99,7 @@ def _mirror(own: Discretisation, axis: int) -> Mirror | None:
     middle = (min(low[axis] for low, _ in boxes) + max(high[axis] for _, high in boxes)) / 2
     size = max(body.size for body in own.problem.bodies.values())
     places, signs = np.full(own.full.n, -1), np.ones(own.full.n)
-    for dofs in own.bodies.values():
+    for dofs in own.continua.values():
         pairs = _pairs(dofs.nodes.T, axis, middle, size)
         if pairs is None:
             return None

@@ -37,7 +37,7 @@ def discretised(mesh, space="p2-vertex", reference=None, **more):
 def interpolated(d, field, body="block"):
     """Unknowns of the velocity that follows a field at the nodes of a body."""
     u = np.zeros(d.full.n)
-    u[d.bodies[body].dofs] = field(d.bodies[body].nodes)
+    u[d.continua[body].dofs] = field(d.continua[body].nodes)
     return u
 
 
@@ -47,7 +47,7 @@ def test_strain_rates_of_a_quadratic_field(seed, space):
     mesh = distorted(rng)
     d = discretised(mesh, space)
     field, gradient = polynomial(rng)
-    points = d.bodies["block"].basis.global_coordinates()  # (2, elements, 3)
+    points = d.continua["block"].basis.global_coordinates()  # (2, elements, 3)
     g = gradient(np.asarray(points).reshape(2, -1))
     (group,) = d.full.groups
     u = interpolated(d, field)
@@ -61,7 +61,7 @@ def test_strain_points_are_the_vertices_or_inside():
     mesh = distorted(np.random.default_rng(0))
     at = {}
     for space in SPACES:
-        points = discretised(mesh, space).bodies["block"].basis.global_coordinates()
+        points = discretised(mesh, space).continua["block"].basis.global_coordinates()
         at[space] = np.moveaxis(np.asarray(points), 0, 2)  # (elements, 3, 2)
     corners = mesh.p[:, mesh.t].transpose(2, 1, 0)
     centre = corners.mean(axis=1, keepdims=True)
@@ -235,7 +235,7 @@ def test_no_penetration_at_control_values_is_none_along_the_edge(seed):
     """And the frozen friction dissipation is over-estimated, never under-estimated."""
     rng = np.random.default_rng(seed)
     d = discretised(la.meshes.rectangle((0, 1), (0, 1), 1, 1), interfaces=[obstacle()])
-    rows, dofs = d.full.contact, d.bodies["block"]
+    rows, dofs = d.full.contact, d.continua["block"]
     u = rng.uniform(-1, 1, d.full.n)
     on_edge = dofs.nodes[1] == 0
     lift = max(0.0, -rows.opening(u).min())
@@ -293,7 +293,7 @@ def test_footing_carries_its_nodes(rough):
     rng = np.random.default_rng(1)
     q = rng.uniform(-1, 1, d.program.n)
     u = d.free_basis @ q
-    dofs, speed = d.bodies["soil"], u[-1]
+    dofs, speed = d.continua["soil"], u[-1]
     under = under_footing(dofs.nodes)
     assert np.allclose(u[dofs.dofs[1, under]], -speed, atol=ROUND_OFF)
     if rough:
@@ -306,7 +306,7 @@ def test_footing_carries_its_nodes(rough):
 
 def test_one_footing_may_carry_a_dead_and_a_reference_load():
     d = la.discretise(punch(dead=[la.RigidFooting("soil", under_footing, (0, -1), 0.25)]))
-    assert d.full.n == 2 * d.bodies["soil"].nodes.shape[1] + 1
+    assert d.full.n == 2 * d.continua["soil"].nodes.shape[1] + 1
     assert d.full.dead_load[-1] == 0.25
     assert d.full.reference_load[-1] == 1.0
 
@@ -366,5 +366,5 @@ def test_a_footing_is_a_part_of_the_body_under_it():
     )
     d = la.discretise(problem)
     parts = d.full.parts
-    assert parts[d.footings].tolist() == [parts[d.bodies["right"].offset]]
+    assert parts[d.footings].tolist() == [parts[d.continua["right"].offset]]
     assert len(set(parts.tolist())) == 3

@@ -217,7 +217,7 @@ def test_gaps_of_bonded_blocks(direction):
 def test_a_velocity_that_tears_a_bond_is_refused():
     state = la.solve(cut_flat())
     moved = {name: own.copy() for name, own in state.velocity.items()}
-    seam = state.discretisation.bodies["low"].nodes[1] > -0.5 - 1e-9
+    seam = state.discretisation.continua["low"].nodes[1] > -0.5 - 1e-9
     moved["low"][:, seam] *= 1.001
     assert state.certify().worst[1] <= 1e-6
     assert state.certify(velocity=moved).worst[1] > 1e-6

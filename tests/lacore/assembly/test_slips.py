@@ -186,7 +186,7 @@ def test_what_sticks_beside_things_at_rest_sticks():
 def test_slip_costs_the_strength_of_the_body(space):
     """A square that moves as a whole along its support: k times length times speed."""
     d = la.discretise(sheared(space))
-    u, dofs = np.zeros(d.full.n), d.bodies["block"]
+    u, dofs = np.zeros(d.full.n), d.continua["block"]
     u[dofs.dofs[0]] = -2.0
     (power,) = (part.group.dissipation(u).sum() for part in d.jumps.values())
     assert power == pytest.approx(4.0, rel=ROUND_OFF)  # along base and footing
@@ -200,7 +200,7 @@ def test_nothing_leaves_what_holds_it(space):
     """Only the slip is free: normal velocities are those of the base and of the footing."""
     d = la.discretise(sheared(space))
     u = d.free_basis @ np.random.default_rng(0).normal(size=d.program.n)
-    dofs = d.bodies["block"]
+    dofs = d.continua["block"]
     flat = np.unique(dofs.facet_nodes(dofs.body.mesh.boundaries["bottom"]))
     top = np.unique(dofs.facet_nodes(dofs.body.mesh.boundaries["top"]))
     assert not u[dofs.dofs[1, flat]].any()
@@ -236,7 +236,7 @@ def test_slip_that_one_stress_explains_is_not_refined():
 def test_layers_of_slip_are_strain():
     """From a base at rest to a footing at speed 3 all shear makes 3, wherever it is."""
     d = la.discretise(sheared())
-    dofs, slip, u = d.bodies["block"], d.slips["block"], np.zeros(d.full.n)
+    dofs, slip, u = d.continua["block"], d.slips["block"], np.zeros(d.full.n)
     u[dofs.dofs[0]] = 1 + dofs.nodes[1]  # a shear of 1 in the body
     u[d.footings] = 3.0
     assert np.allclose(slip.layer(dofs, u).sum(axis=0), [0, 0, 2], atol=ROUND_OFF)
@@ -287,7 +287,7 @@ def test_it_ends_where_contact_goes_on_straight():
     )
     d = la.discretise(stated)
     slip = d.slips["block"]
-    ends = d.bodies["block"].body.mesh.p[:, d.bodies["block"].body.mesh.facets[:, slip.facets]]
+    ends = d.continua["block"].body.mesh.p[:, d.continua["block"].body.mesh.facets[:, slip.facets]]
     assert np.array_equal(slip.stuck, ends[0] == 1.0)
     assert la.solve(d).status is la.Status.SOLVED
 

@@ -30,7 +30,7 @@ def layers(nx=4, ny=4):
 def power(problem, velocity):
     """Of the reference load on a velocity, a function of places."""
     stated = discretise(problem)
-    (dofs,) = stated.bodies.values()
+    (dofs,) = stated.continua.values()
     nodes = np.zeros(stated.full.n)
     nodes[dofs.dofs] = velocity(dofs.nodes)
     return float(stated.full.reference_load @ nodes)

@@ -269,7 +269,7 @@ def test_meshes_that_are_refined_keep_regions_and_values(criterion):
     body = la.Body(halves(), criterion)
     problem = la.Problem({"bar": body}, [la.Pressure("bar", "top")], [la.Fix("bar", "bottom")])
     bracket = la.bracket(problem, target_width=0.04, max_elements=600)
-    finer = bracket.lower_bound.model.bodies["bar"].body
+    finer = bracket.lower_bound.model.continua["bar"].body
     areas = [
         [element_geometry(own)[0][region.elements].sum() for region in own.regions]
         for own in (body, finer)
@@ -311,7 +311,7 @@ def test_rules_are_above_the_dissipation_of_strengths_that_vary(space, plane, se
 def test_what_is_linear_twice_is_integrated_exactly(space, parts):
     """u = (y^2, 0) shears by 2 y, against k = 1 + 2 x + 3 y: int k 2 y = 2 (1 + 2) + 3 (4/3)."""
     d = la.discretise(pulled(la.VonMises(lambda x: 1 + 2 * x[0] + 3 * x[1]), space))
-    dofs, velocity = d.bodies["bar"], np.zeros(d.full.n)
+    dofs, velocity = d.continua["bar"], np.zeros(d.full.n)
     velocity[dofs.dofs[0]] = dofs.nodes[1] ** 2
     power = plastic_power(d, velocity, parts)["bar"].sum()
     assert power == pytest.approx(2 * (1 + 2) + 3 * 4 / 3, rel=1e-9)  # 1e-6 inside of elements

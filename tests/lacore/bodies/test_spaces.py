@@ -49,7 +49,7 @@ def block(space, mesh=None, **more):
 
 def interpolated(d, field):
     u = np.zeros(d.full.n)
-    u[d.bodies["block"].dofs] = field(d.bodies["block"].nodes)
+    u[d.continua["block"].dofs] = field(d.continua["block"].nodes)
     return u
 
 
@@ -88,7 +88,7 @@ def test_strain_rates_of_polynomials(space, kinematics, seed):
     degree = 1 if space in (*LINEAR, *QUADS) else 2
     d = block(space, mesh, kinematics=kinematics)
     field, gradient = polynomial(rng, degree)
-    points = np.asarray(d.bodies["block"].basis.global_coordinates()).reshape(2, -1)
+    points = np.asarray(d.continua["block"].basis.global_coordinates()).reshape(2, -1)
     g = gradient(points)
     xx, yy, xy = g[0, 0], g[1, 1], g[0, 1] + g[1, 0]
     u = interpolated(d, field)
@@ -133,7 +133,7 @@ def test_loads_do_the_power_of_the_continuum(space, load):
 def test_a_cut_through_a_body_costs_its_length(space, kinematics):
     """One half slides on the other along an inclined line of edges: k L |[u_t]| (T23)."""
     d = block(space, rectangle(space, (0, 1), (0, 1), 2, 2), kinematics=kinematics)
-    dofs = d.bodies["block"]
+    dofs = d.continua["block"]
     centre = dofs.body.mesh.p[:, dofs.body.mesh.t].mean(axis=1)
     above = np.repeat(centre[1] > centre[0], len(dofs.element_nodes))  # nodes go by element
     u = np.zeros(d.full.n)
@@ -152,7 +152,7 @@ def test_jumps_are_over_estimated(seed):
     """Of any jump the control values cost at least the integral along the edge (T23)."""
     rng = np.random.default_rng(seed)
     d = block("p2-disc", moved(rectangle("p2-disc", (0, 1), (0, 1), 2, 2), seed))
-    dofs, u = d.bodies["block"], rng.normal(size=d.full.n)
+    dofs, u = d.continua["block"], rng.normal(size=d.full.n)
     mesh, jumps = dofs.body.mesh, d.jumps["block"]
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     s = (np.arange(400) + 0.5) / 400
@@ -283,7 +283,7 @@ def test_tension(space, kinematics, factor):
     state = la.solve(problem, throw=True)
     assert state.load_factor == pytest.approx(factor, rel=SOLVED)
     # Traction alone, so that the mean over elements is that of the uniform stress.
-    areas = state.discretisation.bodies["bar"].areas
+    areas = state.discretisation.continua["bar"].areas
     mean = areas @ state.stress["bar"].mean(axis=1) / areas.sum()
     middle = factor / 2 if kinematics == "plane_strain" else 0.0
     assert np.allclose(mean, [factor, 0, middle, 0], atol=1e-5)
@@ -394,7 +394,7 @@ def test_everything_that_a_state_tells(space, rough):
     """Power, stresses, supports: of the same sums whatever the space."""
     state = la.solve(punch(space, half_space(space, 8, 4), rough), throw=True)
     d, point = state.discretisation, state.point
-    dofs = d.bodies["soil"]
+    dofs = d.continua["soil"]
     total = dofs.areas @ state.dissipation["soil"]
     assert total == pytest.approx(d.full.plastic_dissipation(point.velocity), rel=1e-12)
     assert total == pytest.approx(state.load_factor, rel=SOLVED)

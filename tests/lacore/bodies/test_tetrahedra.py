@@ -160,7 +160,7 @@ def test_power_of_each_load_is_that_of_what_it_says(space):
     ]
     for load in loads:
         d = discretise(la.Problem({"b": body}, [load], [la.Fix("b", "bottom", "normal")]))
-        own = d.bodies["b"].dofs
+        own = d.continua["b"].dofs
         total = d.full.reference_load[own].sum(axis=1)
         np.testing.assert_allclose(total, [2, 4, 6], rtol=1e-12)
 
@@ -322,7 +322,7 @@ def test_a_file_has_the_mechanism_and_the_stresses(space, tmp_path):
     state.to_vtu(tmp_path / "state.vtu")
     read = meshio.read(tmp_path / "state.vtu")
     kind = "tetra" if space == "p1-disc" else "tetra10"
-    elements = state.discretisation.bodies["soil"].body.mesh.nelements
+    elements = state.discretisation.continua["soil"].body.mesh.nelements
     assert len(read.cells_dict[kind]) == elements
     np.testing.assert_allclose(read.point_data["velocity"].T, state.velocity["soil"])
     assert read.cell_data["stress"][0].shape == (elements, 6)

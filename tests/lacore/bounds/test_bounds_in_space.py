@@ -99,7 +99,7 @@ def test_forces_that_vary_within_elements_have_upper_bounds_where_they_are_linea
             ask(problem)
     high = la.upper_bound(problem)
     assert high.rigor is la.Rigor.UPPER
-    dofs = high.discretisation.bodies["block"]
+    dofs = high.discretisation.continua["block"]
     mesh, velocity = dofs.body.mesh, high.velocity[dofs.dofs][:, dofs.element_nodes]
     # Uniform compression is one of its velocities: the power of z downwards is alpha/3.
     assert high.load_factor <= 3 * sqrt(3) * (1 + SOLVED)
@@ -133,7 +133,7 @@ def test_a_bracket_refines_where_the_mechanism_is():
     assert bracket.lower < STRIP < bracket.upper
     assert bracket.lower_bound.rigor is la.Rigor.LOWER
     assert bracket.upper_bound.rigor is la.Rigor.UPPER
-    assert bracket.upper_bound.discretisation.bodies["soil"].body.space == "p2-disc"
+    assert bracket.upper_bound.discretisation.continua["soil"].body.space == "p2-disc"
     elements = bracket.history.groupby("bound")["elements"].max()
     assert elements.min() > problem.bodies["soil"].mesh.nelements
     assert elements.max() < 2000

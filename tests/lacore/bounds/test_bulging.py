@@ -212,7 +212,7 @@ def test_bubbles_do_their_power():
     carried = bubbles(body, np.stack([x - 0.3 * y, 0.5 * x + y]).swapaxes(1, 2), "load")
     problem = cut(la.VonMises(1.0), mesh, [la.BodyForce("soil", (0.0, -1.0))])
     discretisation = la.discretise(problem)
-    dofs = discretisation.bodies["soil"]
+    dofs = discretisation.continua["soil"]
     velocity = np.zeros(discretisation.full.n)
     corners = mesh.p[:, mesh.t]
     sides = (corners[:, [0, 1, 0]] + corners[:, [1, 2, 2]]) / 2

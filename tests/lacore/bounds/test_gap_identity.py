@@ -46,7 +46,9 @@ def test_restricted_velocities_do_the_same_power(loaded):
     kinematic, static = discretise(stated), static_model(stated)
     velocity = rng.normal(size=kinematic.full.n)
     restricted = np.zeros(static.full.n)
-    nodes, values = restriction(kinematic.bodies["block"], static.bodies["block"], velocity, None)
+    nodes, values = restriction(
+        kinematic.continua["block"], static.continua["block"], velocity, None
+    )
     restricted[2 * nodes], restricted[2 * nodes + 1] = values
     for mine, its in (
         (static.full.reference_load, kinematic.full.reference_load),
@@ -73,13 +75,13 @@ def test_restricted_velocities_in_space_do_the_same_power(space):
         dead_loads=[la.Traction("block", "right", (0.3, -1.0, 0.7))],
     )
     kinematic, static = discretise(stated), static_model(stated)
-    dofs, velocity = kinematic.bodies["block"], np.zeros(kinematic.full.n)
+    dofs, velocity = kinematic.continua["block"], np.zeros(kinematic.full.n)
     x, y, z = places(dofs)
     degree = 1 if space == "p1-disc" else 2
     for own, value in zip(dofs.dofs, (x**degree, y**degree + 0.5 * z, z**degree), strict=True):
         velocity[own] = value
     nodes, values = solid_restriction(
-        "block", dofs, static.bodies["block"], velocity, stated, np.zeros(0)
+        "block", dofs, static.continua["block"], velocity, stated, np.zeros(0)
     )
     restricted = np.zeros(static.full.n)
     for axis, own in enumerate(values):

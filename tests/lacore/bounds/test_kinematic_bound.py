@@ -147,7 +147,7 @@ def test_interior_points_prove_more(rough):
 def test_jumps_are_integrated_from_above(space, seed):
     """Random velocities: at least the integral along the edges, and above it by little."""
     d = block(space)
-    dofs, u = d.bodies["block"], np.random.default_rng(seed).normal(size=d.full.n)
+    dofs, u = d.continua["block"], np.random.default_rng(seed).normal(size=d.full.n)
     mesh = dofs.body.mesh
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     along = mesh.p[:, mesh.facets[1, inner]] - mesh.p[:, mesh.facets[0, inner]]

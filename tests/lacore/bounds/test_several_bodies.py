@@ -136,7 +136,7 @@ def test_soil_that_rests_is_rigid_in_velocities_that_prove(below):
     upper, lower = la.upper_bound(problem), la.lower_bound(la.matching(problem))
     assert upper.rigor is la.Rigor.UPPER
     assert lower.load_factor <= upper.load_factor
-    moved = np.abs(upper.velocity[upper.discretisation.bodies["low"].dofs])
+    moved = np.abs(upper.velocity[upper.discretisation.continua["low"].dofs])
     assert moved.max() <= EXACT * np.abs(upper.velocity).max()
 
 

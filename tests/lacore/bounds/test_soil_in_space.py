@@ -147,7 +147,7 @@ def test_steep_cones_do_not_jump():
         la.solve(cube("p2-disc", criterion=steep))
     assert la.solve(cube("p2-vertex", criterion=steep)).load_factor > 0
     bracket = la.bracket(cube("p2-disc", criterion=steep), 0.01, time_limit=60.0, jobs=1)
-    assert bracket.upper_bound.discretisation.bodies["block"].body.space == "p2-vertex"
+    assert bracket.upper_bound.discretisation.continua["block"].body.space == "p2-vertex"
 
 
 def test_brackets_do_not_jump_where_soil_is_held_along_a_face_alone():
@@ -168,7 +168,7 @@ def test_brackets_do_not_jump_where_soil_is_held_along_a_face_alone():
     ):
         found = la.bracket(problem, 0.99, max_elements=12, jobs=1)
         assert found.upper_bound.rigor is la.Rigor.UPPER
-        assert found.upper_bound.discretisation.bodies["block"].body.space == space
+        assert found.upper_bound.discretisation.continua["block"].body.space == space
 
 
 def test_a_hollow_sphere_bursts_at_its_closed_form():

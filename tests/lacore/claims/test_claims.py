@@ -188,7 +188,7 @@ def test_a_mode_that_no_load_drives_frees_nothing():
     point = prepare(program).solve(contact).point
     discretisation = la.discretise(problem)
     sliding = np.zeros(discretisation.full.n)
-    sliding[discretisation.bodies["b"].dofs[0]] = 1e8
+    sliding[discretisation.continua["b"].dofs[0]] = 1e8
     mode = np.linalg.lstsq(discretisation.free_basis.toarray(), sliding, rcond=None)[0]
     moved = replace(point, velocity=point.velocity + mode)
     assert abs(program.reference_load @ mode) <= 1e-6  # round-off of 1e8

@@ -144,7 +144,7 @@ def test_a_step_begins_at_the_slip_of_the_one_before():
     state = path.state(2)
     assert kinds(state)[0] == "rough S"
     d, u = state.discretisation, np.zeros(state.discretisation.full.n)
-    for name, dofs in d.bodies.items():
+    for name, dofs in d.continua.items():
         u[dofs.dofs] = path.snapshot(1).velocity[name]
     slip = np.linalg.norm(d.full.contact.slip(u), axis=1)
     assert second.slip == pytest.approx(slip, rel=1e-12)

@@ -225,7 +225,7 @@ def triaxial(dilation, cells=2):
     """A round sample with the state that it is in, which no solver had a part in."""
     problem = sample(la.MohrCoulomb(1.0, PHI, dilation_angle=dilation), "axisymmetric")
     state = la.solve(problem)
-    (dofs,) = state.discretisation.bodies.values()
+    (dofs,) = state.discretisation.continua.values()
     down = 1 / pi  # a pressure of 1 on a circle of radius 1 turns over a power of 1
     load = carried("axisymmetric", 0.5)
     stress = np.zeros((*dofs.weights.shape, 4))

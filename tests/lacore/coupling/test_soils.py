@@ -86,7 +86,7 @@ def simple_shear(problem, cohesion=COHESION, confined=1.0):
     Coaxial: sigma_xx = sigma_yy = -p, so ``tau = c cos(phi) + p sin(phi)``: Davis's strength.
     """
     stated = discretise(problem)
-    (dofs,) = stated.bodies.values()
+    (dofs,) = stated.continua.values()
     tau = cohesion * cos(radians(PHI)) + confined * sin(radians(PHI))
     state = la.solve(problem, max_iterations=1)
     # The load is a mean traction: on a top of length 2 it has power 1 at a speed of 1/2.
@@ -207,7 +207,7 @@ def test_a_cone_dilates_by_its_own_angle_in_axisymmetry(dilation):
     assert state.certify(point=state.point).holds(state.tolerance)
     # Mohr-Coulomb in triaxial compression, which the cone is matched to: 2 c cos/(1 - sin).
     assert state.load_factor == pytest.approx(2 * sqrt(3), rel=1e-6)
-    speed, nodes = state.velocity["sample"], state.discretisation.bodies["sample"].nodes
+    speed, nodes = state.velocity["sample"], state.discretisation.continua["sample"].nodes
     out = speed[0, nodes[0] > 0.99].mean()
     down = -speed[1, nodes[1] > 0.99].mean()
     sine = sin(radians(30 if dilation is None else dilation))
@@ -379,7 +379,7 @@ def test_the_power_of_the_state_is_that_of_its_own_laws():
     """Dissipation by element sums to the power of the loads."""
     for coupling in ("certified", "associated", "davis"):
         state = la.solve(sheared(10.0), coupling=coupling)
-        (dofs,) = state.discretisation.bodies.values()
+        (dofs,) = state.discretisation.continua.values()
         plastic = float(dofs.volumes @ state.dissipation["layer"])
         dead = float(state.discretisation.full.dead_load @ state.point.velocity)
         assert plastic - dead == pytest.approx(state.load_factor, rel=2 * state.tolerance)

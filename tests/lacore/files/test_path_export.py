@@ -200,7 +200,7 @@ def test_limit_state_of_everything(tmp_path):
     found = dict(zip((block.type for block in mesh.cells), mesh.cell_data["stress"], strict=True))
     stress = found["triangle6"]
     assert stress.shape[1] == 6
-    dofs = state.discretisation.bodies["soil"]
+    dofs = state.discretisation.continua["soil"]
     np.testing.assert_allclose(
         stress[:, 0], element_means(dofs, state.stress["soil"][..., 0]), rtol=ROUND_OFF
     )

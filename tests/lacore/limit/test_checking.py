@@ -124,7 +124,7 @@ def zz(change):
 def at_the_base(state):
     """Where the soil is held, and nowhere else: no free unknown feels it."""
     u = state.velocity["soil"].copy()
-    u[:, state.discretisation.bodies["soil"].nodes[1] == -2] += 1e-3 * np.abs(u).max()
+    u[:, state.discretisation.continua["soil"].nodes[1] == -2] += 1e-3 * np.abs(u).max()
     return {"velocity": {"soil": u}}
 
 

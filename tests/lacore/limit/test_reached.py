@@ -101,7 +101,7 @@ def test_more_ground_on_the_same_mesh_carries_no_more():
     larger = with_ground_beyond(wet, right, np.array([0.5, 0.0]))
     body = larger.bodies["soil"]
     assert body.box[1][0] == 3.0
-    far = la.discretise(larger).bodies["soil"]
+    far = la.discretise(larger).continua["soil"]
     surcharge = force(larger.dead_loads[0], far).sum()
     assert surcharge == pytest.approx(-0.5 * 2.0)  # 1 m to 3 m
     assert la.solve(larger).load_factor < la.solve(wet).load_factor

@@ -354,11 +354,11 @@ def test_its_picture_says_so_and_shows_what_drives_it():
 
 def test_what_is_unsafe_by_a_continuum_shows_its_mechanism():
     state = la.solve(column(5.0))
-    top = state.discretisation.bodies["block"].nodes[1] == 1
+    top = state.discretisation.continua["block"].nodes[1] == 1
     assert (state.velocity["block"][1, top] < 0).all()
     power = sum(
         float(state.dissipation[name] @ d.volumes)
-        for name, d in state.discretisation.bodies.items()
+        for name, d in state.discretisation.continua.items()
     )
     assert 0.5 < power < 1  # of 1 W: the discrete column falls from 3.9 k on or so
 

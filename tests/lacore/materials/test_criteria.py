@@ -61,7 +61,7 @@ def test_bars_side_by_side_carry_the_sum(space, kinematics, tension):
 @pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])
 def test_a_jump_costs_what_the_weaker_side_carries(space):
     d = la.discretise(bar(space))
-    jumps, strengths = d.jumps["bar"], d.bodies["bar"].body.criterion.strengths
+    jumps, strengths = d.jumps["bar"], d.continua["bar"].body.criterion.strengths
     sides = strengths[jumps.elements]
     assert {(1.0, 3.0), (3.0, 1.0)} & set(map(tuple, sides.T.tolist()))
     assert np.array_equal(jumps.group.bound, sides.min(axis=0))

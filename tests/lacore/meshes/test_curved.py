@@ -212,7 +212,7 @@ def test_loads_on_curves(space, load):
         supports=[la.Fix("b", "bottom")],
     )
     full = la.discretise(problem).full
-    dofs = la.discretise(problem).bodies["b"].dofs
+    dofs = la.discretise(problem).continua["b"].dofs
     power = [float(full.reference_load[dofs[axis]].sum()) for axis in (0, 1)]
     slope = 4 * 0.2
     # Length of y = slope x (1 - x): its derivative runs from slope to -slope.
@@ -363,7 +363,7 @@ def test_no_mode_of_quadrilaterals_is_free(curved):
     assert np.log2(errors[0] / errors[1]) > 3.5  # fourth order
     # Mean stresses are projected with theta: sigma_rr at the strain points, a row along a radius.
     stress = states[1].stress["tube"]
-    place = np.asarray(states[1].discretisation.bodies["tube"].basis.global_coordinates())
+    place = np.asarray(states[1].discretisation.continua["tube"].basis.global_coordinates())
     radius = np.linalg.norm(place, axis=0)
     mean = stress[..., :2].sum(axis=2) / 2
     # Half of sigma_rr + sigma_tt, with sigma_tt - sigma_rr = 2 k.

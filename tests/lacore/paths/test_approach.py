@@ -22,7 +22,7 @@ def setting(request):
     problem, approaching = request.param()
     stage = staged(problem, approaching)
     start = Moment(stage.start, stage.start, DURATION, 0.0)
-    return stage, discretised(stage, start).bodies["billet"]
+    return stage, discretised(stage, start).continua["billet"]
 
 
 def anywhere(stage, dofs, rng, size):

@@ -314,7 +314,7 @@ def test_states_of_steps_are_those_of_their_rows(tmp_path, scheme):
 def test_states_of_steps_dissipate_what_their_load_does(scheme):
     """With the hardening within the step; no dead loads."""
     state = pressed(2, scheme=scheme).state(1)
-    volumes, reactions = state.discretisation.bodies["billet"].volumes, state.reactions
+    volumes, reactions = state.discretisation.continua["billet"].volumes, state.reactions
     plastic = volumes @ state.dissipation["billet"]
     friction = -(reactions.length * reactions.t_t * reactions.u_t).sum()
     # The certificate's bar on the gap.

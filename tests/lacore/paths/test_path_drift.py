@@ -165,8 +165,8 @@ def test_the_least_norm_of_a_bar_is_uniform(strength, size):
     state = stretched(strength, size)
     found = least_norm(state, 1e-4)
     d = state.discretisation
-    nodes = d.bodies["bar"].nodes
-    velocity = found.velocity[d.bodies["bar"].dofs]
+    nodes = d.continua["bar"].nodes
+    velocity = found.velocity[d.continua["bar"].dofs]
     # Of the norm a share of the power: what is not linear costs its square.
     np.testing.assert_allclose(velocity[0], nodes[0] / (2 * size) * velocity[0].max(), rtol=1e-4,
                                atol=1e-4 * velocity[0].max())  # fmt: skip

@@ -51,7 +51,7 @@ def test_crushing_shows_stick_and_dissipation():
 def test_each_element_is_one_face(sliding):
     figure = plot_mechanism(sliding)
     faces = [item for item in figure.axes[0].collections if isinstance(item, PolyCollection)]
-    elements = sliding.discretisation.bodies["block"].body.mesh.nelements
+    elements = sliding.discretisation.continua["block"].body.mesh.nelements
     assert len(faces[0].get_paths()) == elements
 
 

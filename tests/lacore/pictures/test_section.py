@@ -82,7 +82,7 @@ def test_polygons_go_around_and_centroids_lie_in_the_plane():
 
 def test_a_stack_of_sections_has_the_volume_and_the_dissipation(state):
     """Cuts of tetrahedra are quadratic in height between vertices: two Gauss points are exact."""
-    dofs, power = state.discretisation.bodies["column"], state.dissipation["column"]
+    dofs, power = state.discretisation.continua["column"], state.dissipation["column"]
     mesh = dofs.body.mesh
     for normal in ((0, 0, 1), (1, 2, 3)):
         height = np.unique(np.round(np.asarray(normal) @ mesh.p, 9))
@@ -103,7 +103,7 @@ def test_velocities_in_the_plane_are_those_of_the_field(space):
     """A quadratic field, which both spaces have, at centroids."""
     body = la.Body(BOX, la.VonMises(1.0), kinematics="3d", space=space)
     problem = la.Problem({"box": body}, [la.BodyForce("box", (0, 0, 1))], [la.Fix("box", "bottom")])
-    dofs = la.discretise(problem).bodies["box"]
+    dofs = la.discretise(problem).continua["box"]
 
     def field(x, y, z):
         return np.stack([x * y + z, z**2 - x, x * z - 2 * y**2])
@@ -136,7 +136,9 @@ def test_the_picture_has_values_of_the_elements_and_arrows(state):
     axes, bar = figure.axes
     polygons, arrows = axes.collections
     power = state.dissipation["column"]
-    cut = cut_by(plane_of((0, 0.5, 0), (0, 1, 0)), state.discretisation.bodies["column"].body.mesh)
+    cut = cut_by(
+        plane_of((0, 0.5, 0), (0, 1, 0)), state.discretisation.continua["column"].body.mesh
+    )
     shares = np.asarray(polygons.get_array())
     assert shares == pytest.approx(power[cut.element] / power.max())
     # Uniform compression of one that keeps its volume: u = (x, y, -2 z) times a rate.

@@ -95,13 +95,13 @@ def test_cylinder(kind, order):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
     assert states[1].rigor is la.Rigor.DISCRETE
     stress = states[1].stress["tube"]
-    radius = states[1].discretisation.bodies["tube"].basis.global_coordinates()[0]
+    radius = states[1].discretisation.continua["tube"].basis.global_coordinates()[0]
     exact = -2 / np.sqrt(3) * np.log(2 / np.asarray(radius))  # sigma_rr, 0 outside
     hoop = stress[..., 2] - stress[..., 0]
     # sigma_tt - sigma_rr = 2 k and sigma_zz their mean, where eps_zz = 0.
     np.testing.assert_allclose(hoop, 2 / np.sqrt(3), atol=2e-3)
     np.testing.assert_allclose(stress[..., 1], (stress[..., 0] + stress[..., 2]) / 2, atol=2e-2)
-    volumes = states[1].discretisation.bodies["tube"].weights
+    volumes = states[1].discretisation.continua["tube"].weights
     # Single pressures of crossed triangles oscillate; their mean does not.
     mean = float(np.sum(volumes * (stress[..., 0] - exact)) / volumes.sum())
     assert mean == pytest.approx(0.0, abs=2e-3)
@@ -161,7 +161,7 @@ def disc(kind, mu, curved=False, rough=False):
 def test_upsetting_without_friction(kind, curved):
     """Exactly the yield stress: u_r = r/2, u_z = -z lies in every space. No support needed."""
     state = la.solve(disc(kind, 0.0, curved), throw=True)
-    volume = state.discretisation.bodies["disc"].volumes.sum() / (0.4 * np.pi)
+    volume = state.discretisation.continua["disc"].volumes.sum() / (0.4 * np.pi)
     # On curved elements r det J is of higher degree than the rule of strain points is exact for.
     assert volume == pytest.approx(1.0, rel=1e-3 if curved else 1e-12)
     assert state.load_factor == pytest.approx(1.0, rel=1e-3 if curved else CERTIFIED)
@@ -211,7 +211,7 @@ def test_forces_of_the_whole_circumference(kind, curved, load, power):
         supports=[la.Fix("b", "bottom", "y")],
     )
     d = la.discretise(problem)
-    dofs, force = d.bodies["b"], d.full.reference_load
+    dofs, force = d.continua["b"], d.full.reference_load
     found = force[dofs.dofs[0]] @ dofs.nodes[0], force[dofs.dofs[1]].sum()
     np.testing.assert_allclose(found, power, rtol=1e-12, atol=1e-12)
     if not curved:  # there the rule at the strain points is not exact

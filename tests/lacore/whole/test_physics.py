@@ -206,7 +206,7 @@ def external(state):
     """Loads, reactions and support forces as rows (x, y, force_x, force_y)."""
     program, rows = state.discretisation.full, []
     load = state.load_factor * program.reference_load + program.dead_load
-    for dofs in state.discretisation.bodies.values():
+    for dofs in state.discretisation.continua.values():
         rows.append(np.vstack([dofs.nodes, load[dofs.dofs]]).T)
     r = state.reactions
     rows.append(
@@ -275,7 +275,7 @@ def test_power_balances():
 
 
 def areas(state, name):
-    mesh = state.discretisation.bodies[name].body.mesh
+    mesh = state.discretisation.continua[name].body.mesh
     a, b, c = np.moveaxis(mesh.p[:, mesh.t], 1, 0)
     return np.abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]) / 2
 
@@ -286,7 +286,7 @@ def test_stress_is_within_yield_and_meets_the_traction():
     s_xx, s_yy, s_zz, s_xy = np.moveaxis(state.stress["block"], -1, 0)
     assert np.hypot((s_xx - s_yy) / 2, s_xy).max() <= 1 + 1e-6
     assert np.allclose(s_zz, (s_xx + s_yy) / 2, atol=1e-12)
-    mesh = state.discretisation.bodies["block"].body.mesh
+    mesh = state.discretisation.continua["block"].body.mesh
     # Averages of elements against the end: where the mechanism flows the stress is unique.
     flows = state.dissipation["block"] > 1e-3 * state.dissipation["block"].max()
     assert flows.any()

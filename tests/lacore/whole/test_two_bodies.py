@@ -39,14 +39,14 @@ def jump_along(state, samples=33):
         np.concatenate(
             [
                 np.linspace(*np.sort(d.nodes[0, d.nodes[1] == 1])[[0, -1]], 40 * samples)
-                for d in state.discretisation.bodies.values()
+                for d in state.discretisation.continua.values()
             ]
         )
     )
-    top = state.discretisation.bodies["upper"].nodes
+    top = state.discretisation.continua["upper"].nodes
     low, high = top[0].min(), top[0].max()
     x = x[(x >= low) & (x <= high)]
-    for name, dofs in state.discretisation.bodies.items():
+    for name, dofs in state.discretisation.continua.items():
         on = np.flatnonzero(dofs.nodes[1] == 1)
         on = on[np.argsort(dofs.nodes[0, on])]
         at, u = dofs.nodes[0, on], state.velocity[name][1, on]

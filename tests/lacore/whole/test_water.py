@@ -75,7 +75,7 @@ def submerged(level=0.7):
 
 def power_of_water(discretisation, velocity, pressure):
     """``int u div(v) + int u [v_n]`` by quadrature of elements and edges, from scikit-fem alone."""
-    dofs = discretisation.bodies["soil"]
+    dofs = discretisation.continua["soil"]
     mesh, element = dofs.body.mesh, dofs.basis.elem
     hat = {MeshTri: "ElementTriP1"}.get(type(mesh), "ElementQuad1")
     hat = getattr(__import__("skfem"), hat)()
@@ -114,7 +114,7 @@ def test_the_power_on_a_body_of_revolution_is_that_of_the_whole_ring():
     )
     found = la.discretise(problem)
     velocity = np.random.default_rng(3).normal(size=found.full.n)
-    basis = Basis(mesh, found.bodies["soil"].basis.elem, intorder=8)
+    basis = Basis(mesh, found.continua["soil"].basis.elem, intorder=8)
     flow, radius = basis.interpolate(velocity), basis.global_coordinates()[0]
     hats = basis.with_element(__import__("skfem").ElementTriP1())
     u = np.asarray(hats.interpolate(np.array(load.pressure)))
@@ -416,5 +416,5 @@ def test_pressures_are_shown_where_stresses_are(space):
         return 0.1 * (1 + x[0] + 2 * (1 + x[1]))
 
     state = la.solve(loaded([la.PorePressure("soil", rising)], space=space))
-    places = np.asarray(state.discretisation.bodies["soil"].basis.global_coordinates())
+    places = np.asarray(state.discretisation.continua["soil"].basis.global_coordinates())
     assert np.allclose(state.pore_pressure["soil"], rising(places), rtol=1e-12)

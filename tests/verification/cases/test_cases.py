@@ -277,13 +277,13 @@ def test_reactions_sum_to_the_loads(case, variant, mesh):
     full = discretisation.full
     loads = state.load_factor * full.reference_load + full.dead_load
     outer = contact_force(full, state.point) + loads
-    dofs = np.concatenate([body.dofs for body in discretisation.bodies.values()], axis=1)
-    held = state.support_reactions.query("body in @discretisation.bodies.keys()")
+    dofs = np.concatenate([body.dofs for body in discretisation.continua.values()], axis=1)
+    held = state.support_reactions.query("body in @discretisation.continua.keys()")
     held = (
         held[[f"force_{axis}" for axis in "xyz"[: len(dofs)]]].to_numpy().sum(axis=0)
     )  # blocks have rollers of their own
     size = np.abs(state.load_factor * full.reference_load).sum() + np.abs(full.dead_load).sum()
     # Around an axis forces along r are carried by the hoop stress, and have no sum.
-    round_ones = any(body.body.axisymmetric for body in discretisation.bodies.values())
+    round_ones = any(body.body.axisymmetric for body in discretisation.continua.values())
     sums = (outer[dofs].sum(axis=1) + held)[1 if round_ones else 0 :]
     assert np.abs(sums).max() <= 1e-8 * size, mesh

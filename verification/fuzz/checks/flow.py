@@ -74,7 +74,7 @@ class Motion:
 
 def motion_of(state: la.LimitState, name: str) -> Motion:
     """The velocity of a body of a state."""
-    dofs = state.discretisation.bodies[name]
+    dofs = state.discretisation.continua[name]
     mesh = dofs.body.mesh
     origin = mesh.p[:, mesh.t[0]]
     edges = mesh.p[:, mesh.t[[1, -1]]] - origin[:, None]

@@ -57,7 +57,7 @@ def table_power(recipe: Recipe, state: la.LimitState) -> float:
     """Plastic power of bodies and hinges as a state has it."""
     total = 0.0
     for name, density in state.dissipation.items():
-        body = state.discretisation.bodies[name].body
+        body = state.discretisation.continua[name].body
         total += float(density @ strain_points(body)[1].sum(axis=1))
     frames = (name for name, body in recipe["bodies"].items() if body["kind"] == "frame")
     return total + sum(hinge_power(name, state) for name in frames)
