@@ -11,6 +11,7 @@ from numbers import Integral, Real
 from os import PathLike
 from types import NoneType, UnionType
 from typing import Any, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
+from warnings import warn
 
 import numpy as np
 
@@ -31,17 +32,31 @@ class LacoreError(Exception):
 class InputError(LacoreError, ValueError):
     """A statement of the problem that cannot be right; raised before any solve.
 
-    The message reads ``field = value: why; fix``.
+    The message reads ``field = value: reason; fix``. A reason or a fix that contains quantities or
+    names is a `lacore.reporting.text.Text`, which readers of problem files see in their units and
+    with their keys.
+
+    Attributes:
+        field: Name of the argument or attribute, such as ``Problem.interfaces[0].friction``.
+        value: Its value; None where the value is missing or too long to be shown.
+        reason: Why the value cannot be right.
+        fix: How to fix it.
     """
 
-    def __init__(self, field: str, value: object, why: str, fix: str) -> None:
-        self.field, self.value, self.why, self.fix = field, value, why, fix
+    def __init__(self, field: str, value: object, reason: str, fix: str) -> None:
+        self.field, self.value, self.reason, self.fix = field, value, reason, fix
         shown = "" if value is None else f" = {_short(value)}"
-        super().__init__(f"{field}{shown}: {why}; {fix}")
+        super().__init__(f"{field}{shown}: {reason}; {fix}")
+
+    @property
+    def why(self) -> str:
+        """The reason, by the name of this attribute until 0.4."""
+        warn("InputError.why is now InputError.reason", DeprecationWarning, stacklevel=2)
+        return self.reason
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments: the message alone would not build it again."""
-        return type(self), (self.field, self.value, self.why, self.fix)
+        return type(self), (self.field, self.value, self.reason, self.fix)
 
 
 def install_command(extra: str) -> str:

@@ -118,10 +118,10 @@ def cut(text: str, longest: int) -> str:
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 
 
-def rounded_down(value: float) -> str:
+def rounded_down(value: float) -> float:
     """A number > 0 in six digits, none of them rounded up: what may be given at most."""
     least = Context(prec=6, rounding=ROUND_FLOOR).create_decimal_from_float(value)
-    return f"{float(least):.6g}"
+    return float(least)
 
 
 def counted(number: int, what: str) -> str:

@@ -29,6 +29,7 @@ ROOMS = ("lacore", "lacore_start", "backends", "verification")
 LACORE = (
     *(
         "arrays",
+        "reporting",
         "errors",
         "numerics",
         "showing",

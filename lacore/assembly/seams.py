@@ -194,7 +194,7 @@ def _layer(index: int, name: str, region: Region) -> Layer:
             f"Problem.interfaces[{index}].friction",
             "BOND",
             f"velocities may jump there, and a layer of {region.group_name(name)!r} has no strength"
-            f" that could be stated: {none.why}",
+            f" that could be stated: {none.reason}",
             "give both sides the same vertices and a continuous space, so that they move as one;"
             " for a rigid block take a RigidFooting",
         ) from None

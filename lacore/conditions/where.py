@@ -71,7 +71,7 @@ def asked(where: Callable[[Floats], Bools], places: Floats, field: str) -> Bools
     try:
         inside = np.asarray(where(places))
     except InputError as error:  # of our own
-        raise InputError(field, error.field, error.why, error.fix) from error
+        raise InputError(field, error.field, error.reason, error.fix) from error
     except Exception as error:  # of others
         raise InputError(
             field,

@@ -8,6 +8,8 @@ from math import inf, radians, tan
 import numpy as np
 
 from lacore.errors import InputError, is_number
+from lacore.reporting import terms
+from lacore.reporting.text import Quantity, Term, text
 from lacore.showing import Compact, rounded_down, short
 
 _DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
@@ -72,7 +74,12 @@ class Coulomb(Compact):
                 "friction",
                 self.mu,
                 "not a friction coefficient",
-                "give a finite mu >= 0 (0 or lacore.SMOOTH: none; lacore.STICK: no slip at all)",
+                text(
+                    "give a {} >= 0, or {} (no friction) or {} (no slip)",
+                    Term("finite mu", "number"),
+                    terms.SMOOTH,
+                    terms.STICK,
+                ),
             )
         for name in ("adhesion", "tension"):
             value = getattr(self, name)
@@ -84,8 +91,14 @@ class Coulomb(Compact):
             raise InputError(
                 "Coulomb.tension",
                 self.tension,
-                f"beyond the apex of the cone, adhesion/mu = {self.adhesion / self.mu:.6g} Pa",
-                f"give at most {rounded_down(self.adhesion / self.mu)}, or a larger adhesion",
+                text(
+                    "beyond the apex of the cone, adhesion/mu = {}",
+                    Quantity(self.adhesion / self.mu, "Pa", ".6g"),
+                ),
+                text(
+                    "give at most {}, or a larger adhesion",
+                    Quantity(rounded_down(self.adhesion / self.mu), "Pa"),
+                ),
             )
 
     def __repr__(self) -> str:
@@ -205,9 +218,15 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
             friction,
             f"an angle in degrees? The coefficient of {friction:g} degrees is"
             f" {tan(radians(friction)):.4g}",
-            f"give the tangent of the angle, or lacore.Coulomb({friction:g}) if it is meant",
+            text(
+                "give the tangent of the angle, {} if that is meant",
+                Term(
+                    f"or lacore.Coulomb({friction:g})",
+                    f'{{ angle = "{friction:g} deg" }}, or {{ mu = {friction:g} }}',
+                ),
+            ),
         )
     try:
         return Coulomb(friction)
     except InputError as wrong:
-        raise InputError(field, friction, wrong.why, wrong.fix) from None
+        raise InputError(field, friction, wrong.reason, wrong.fix) from None

@@ -24,6 +24,7 @@ from lacore.materials.planes import (
     require_cutoffs,
     require_not_negative,
 )
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact, rounded_down
 
 
@@ -80,8 +81,11 @@ class MohrCoulomb(Compact):
             raise InputError(
                 "MohrCoulomb.tension_cutoff",
                 most,
-                f"beyond the apex c cot(phi) = {self.apex:.6g} Pa, which no stress exceeds",
-                f"give at most {rounded_down(self.apex)}, or none",
+                text(
+                    "beyond the apex c cot(phi) = {}, which no stress exceeds",
+                    Quantity(self.apex, "Pa", ".6g"),
+                ),
+                text("give at most {}, or none", Quantity(rounded_down(self.apex), "Pa")),
             )
 
     @property

@@ -174,5 +174,5 @@ def require_dilation(kind: str, dilation: float | None, friction: float) -> None
             field,
             dilation,
             f"more than the friction angle {friction:.6g}: flow would create energy",
-            f"give at most {rounded_down(friction)}, or none for flow that is associated",
+            f"give at most {rounded_down(friction):g}, or none for flow that is associated",
         )

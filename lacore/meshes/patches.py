@@ -113,7 +113,7 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
         check_hanging(glued, "parts")
     except InputError as error:
         fix = "let parts share whole sides, with as many cells (nx, ny) on both, graded alike"
-        raise InputError("parts", None, error.why, fix) from error
+        raise InputError("parts", None, error.reason, fix) from error
     counts = np.cumsum([0, *(mesh.nelements for mesh in own)])
     names: dict[str, list[Floats]] = {}
     for part, begin, end in zip(parts, counts[:-1], counts[1:], strict=True):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import AutoLocator, FuncFormatter
 
 from lacore.bodies.any_body import Stated
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 
 _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
 _SI = Units()

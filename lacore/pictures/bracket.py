@@ -16,10 +16,10 @@ from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import mesh_of
 from lacore.arrays import Floats
 from lacore.meshes.solid.faces import face_corners
-from lacore.numerics.quantities import Units
 from lacore.pictures.axis import label_lengths
 from lacore.pictures.space.drawing import space
 from lacore.pictures.space.surface import fill_faces
+from lacore.reporting.units import Units
 
 _SI = Units()
 _PAGE = 9.0  # inches

@@ -12,8 +12,8 @@ from matplotlib.gridspec import SubplotSpec
 from lacore.arrays import Floats
 from lacore.contact.obstacles import Shape
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units
 from lacore.pictures.contact_segments import SegmentedContact
+from lacore.reporting.units import Units
 
 COLOURS = {  # legible to the colour-blind
     "stick": "#4d4d4d",

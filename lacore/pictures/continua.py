@@ -12,8 +12,8 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs, edge_shapes
 from lacore.limit.state import LimitState
 from lacore.meshes.curved import edge_lines
-from lacore.numerics.quantities import Units
 from lacore.pictures.axis import has_axis
+from lacore.reporting.units import Units
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
 """How outlines before collapse are drawn."""

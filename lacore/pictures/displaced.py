@@ -12,7 +12,6 @@ from matplotlib.patches import Patch
 
 from lacore.arrays import Floats
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units
 from lacore.pictures.axis import draw_axis
 from lacore.pictures.blocks import FIXED, draw_blocks, held_blocks
 from lacore.pictures.contact import (
@@ -27,6 +26,7 @@ from lacore.pictures.contact import (
 from lacore.pictures.contact_segments import SegmentedContact, segmented_contacts
 from lacore.pictures.continua import draw_continua
 from lacore.pictures.frames import draw_foot, draw_frames, turning
+from lacore.reporting.units import Units
 
 _STRETCH = 0.08  # largest displacement drawn, per size of the structure
 _TURN = 0.3  # largest rotation drawn, rad: blocks grow by half its square

@@ -12,10 +12,10 @@ from matplotlib.lines import Line2D
 from lacore.arrays import Floats, Ints
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units
 from lacore.pictures.blocks import fill_blocks, held_blocks, outlines
 from lacore.pictures.contact_segments import rigid_sides
 from lacore.pictures.continua import boundary_lines
+from lacore.reporting.units import Units
 from lacore.status import Status
 
 THRUST = "#b2182b"

@@ -18,10 +18,10 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.modes import WHOLE
 from lacore.limit.span_moments import SpanMoments, span_moments
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units
 from lacore.pictures.contact import COLOURS, GROUND
 from lacore.pictures.contact_segments import SegmentedContact
 from lacore.pictures.continua import BEFORE
+from lacore.reporting.units import Units
 
 HINGE = "#b2182b"
 MOMENT = "#5e3c99"

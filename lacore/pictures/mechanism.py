@@ -11,7 +11,6 @@ from matplotlib.gridspec import GridSpec, SubplotSpec
 
 from lacore.arrays import Floats
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units, fitting
 from lacore.pictures.axis import label_coordinates
 from lacore.pictures.contact import draw_panel
 from lacore.pictures.continua import draw_colour_bar
@@ -21,6 +20,7 @@ from lacore.pictures.frames import draw_moments
 from lacore.pictures.layout import lay_out
 from lacore.pictures.space.mechanism import plot_in_space
 from lacore.pictures.space.surface import plot_flow
+from lacore.reporting.units import Units, fitting
 from lacore.status import Status
 
 _NOTHING = 1e-6  # of the size of the structure: shorter contact has no panel

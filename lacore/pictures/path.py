@@ -20,7 +20,6 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
 from lacore.conditions.footings import footings
 from lacore.meshes.curved import edge_lines, outlines
-from lacore.numerics.quantities import FORCES, fitting
 from lacore.paths import drift
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
@@ -30,6 +29,7 @@ from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
 from lacore.pictures.layout import lay_out
+from lacore.reporting.units import FORCES, fitting
 from lacore.showing import counted
 
 _PAGE = 10.0  # inches

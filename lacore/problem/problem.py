@@ -259,4 +259,4 @@ def _located(where: str) -> Iterator[None]:
         if error.field.startswith("Problem."):
             raise
         field = f"{where}.{error.field.partition('.')[2]}".rstrip(".")
-        raise InputError(field, error.value, error.why, error.fix) from error
+        raise InputError(field, error.value, error.reason, error.fix) from error

@@ -111,7 +111,7 @@ class Along:
             return self.assembled(self.problem_at(value))
         except InputError as wrong:
             field = f"problem_at({value:.7g}): {wrong.field}"
-            raise type(wrong)(field, wrong.value, wrong.why, wrong.fix) from None
+            raise type(wrong)(field, wrong.value, wrong.reason, wrong.fix) from None
 
     def _assembled(self, value: float) -> Discretisation | None:
         """The problem at a value; None where supports take the whole load, as below a wheel."""

@@ -204,7 +204,7 @@ def _stated(
             stated[str(name)] = discretise(own)
         except InputError as wrong:
             inner = wrong.field.removeprefix("Problem.")
-            raise InputError(f"{field}: {inner}", wrong.value, wrong.why, wrong.fix) from None
+            raise InputError(f"{field}: {inner}", wrong.value, wrong.reason, wrong.fix) from None
     return stated
 
 

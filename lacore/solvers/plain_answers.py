@@ -34,7 +34,7 @@ class PlainAnswers:
         about: dict[str, Any] = {"kind": type(error).__name__, "text": str(error)}
         about["notes"] = list(map(str, getattr(error, "__notes__", ())))
         if isinstance(error, InputError):
-            about |= {"raised": _INPUT, "field": str(error.field), "why": str(error.why)}
+            about |= {"raised": _INPUT, "field": str(error.field), "why": str(error.reason)}
             about |= {"value": _plain_or_text(error.value), "fix": str(error.fix)}
         elif isinstance(error, CapabilityError):
             about["raised"] = _CAPABILITY

@@ -193,7 +193,7 @@ def _reported(source: str, path: Path | None) -> Iterator[None]:
             yield
     except InputError as error:
         field = f"{source}: {error.field}"
-        raise InputError(field, error.value, error.why, error.fix) from error
+        raise InputError(field, error.value, error.reason, error.fix) from error
     except (Exception, SystemExit) as error:  # whatever others wrote
         raise InputError(
             f"{source}{_line(error, path)}", None, said(error), "correct the file"

@@ -111,7 +111,9 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
         try:
             known(getattr(own, key))
         except InputError as error:
-            raise stated.source.error(("solve", key), error.value, error.why, error.fix) from error
+            raise stated.source.error(
+                ("solve", key), error.value, error.reason, error.fix
+            ) from error
     if (width := more.get("bracket")) is not None:
         require_width("--bracket", width)
     goals = {"critical": more.get("critical", own.critical)}

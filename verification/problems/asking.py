@@ -11,7 +11,7 @@ import lacore as la
 from lacore import views
 from lacore.conditions.loads import Load
 from lacore.files.problem.varied import Varied
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -101,7 +101,7 @@ def path_backend(stated: Stated, backend: str | None, more: Mapping[str, Any]) -
         la.find_backend(stated.asked.backend)
     except InputError as error:
         at = ("solve", "backend")
-        raise stated.source.error(at, error.value, error.why, error.fix) from error
+        raise stated.source.error(at, error.value, error.reason, error.fix) from error
     return stated.asked.backend
 
 

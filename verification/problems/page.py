@@ -11,7 +11,7 @@ import pandas as pd
 import lacore as la
 from lacore import views
 from lacore.certificate import Certificate
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
 from verification.problems.tables import in_units

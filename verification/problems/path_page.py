@@ -13,7 +13,7 @@ from lacore import views
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import path_script, script
 from lacore.files.problem.wording import in_words_of_files
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 from lacore.showing import counted
 from verification.problems.answers import Status
 from verification.problems.following import ANIMATION, HISTORY, SHAPES, Followed

@@ -6,7 +6,7 @@ from typing import Any
 
 import lacore as la
 from lacore.files.problem.reading import Stated
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
 from verification.problems.words import mechanism

@@ -8,7 +8,7 @@ import pandas as pd
 
 import lacore as la
 from lacore.bodies.any_body import of_kind
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 
 _UNITS: Mapping[str, str] = {
     **dict.fromkeys(("x", "y", "r", "z", "length"), "m"),

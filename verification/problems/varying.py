@@ -9,8 +9,8 @@ import pandas as pd
 import lacore as la
 from lacore import views
 from lacore.files.problem.varied import Varied
-from lacore.numerics.quantities import Units
 from lacore.questions.critical import Search
+from lacore.reporting.units import Units
 from verification.problems.asking import Given, More
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from lacore.conditions.loads import Load
 from lacore.files.problem.statements import law as stated_law
 from lacore.files.problem.wording import in_words_of_files
 from lacore.materials.friction import Friction
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 from lacore.showing import counted, listed
 from verification.problems.answers import Answer
 from verification.problems.more import MORE

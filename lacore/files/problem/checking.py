@@ -49,7 +49,7 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
         first = min(told, key=lambda one: one[0])
         more = f" ({counted(len(told) - 1, 'more error')} after it)" if len(told) > 1 else ""
         wrong = first[1]
-        raise InputError(wrong.field, wrong.value, wrong.why, wrong.fix + more) from None
+        raise InputError(wrong.field, wrong.value, wrong.reason, wrong.fix + more) from None
 
 
 def _whole(data: Mapping[str, Any]) -> frozenset[str]:

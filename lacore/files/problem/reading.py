@@ -23,10 +23,10 @@ from lacore.files.problem.calls import (
 from lacore.files.problem.places import Path
 from lacore.files.problem.source import Source
 from lacore.files.problem.units import chosen
-from lacore.numerics.quantities import Units
 from lacore.paths.path import Path as FollowedPath
 from lacore.paths.sequential import sequential
 from lacore.problem.problem import Problem
+from lacore.reporting.units import Units
 
 if TYPE_CHECKING:
     from lacore.files.problem.schema.document import Asked
@@ -83,7 +83,7 @@ class Stated:
             if not own and error.field.startswith("--"):
                 raise  # of the command line
             value = None if error.field == "control" else error.value  # a class of Python
-            raise self.source.error(own, value, error.why, error.fix) from error
+            raise self.source.error(own, value, error.reason, error.fix, self.units) from error
 
     def _inside(self, path: Path) -> Path:
         """Where in the file is what an error of the problem is about."""
@@ -131,6 +131,7 @@ def stated_by(source: Source) -> Stated:
     from lacore.files.problem.checking import checked  # here: pydantic takes a while to load
 
     stated, amounts = checked(source)
+    asked = stated.solve.units.given
     try:
         program = stated.program()
         problem, things = program.made()
@@ -139,7 +140,8 @@ def stated_by(source: Source) -> Stated:
             path = made(dict(program.path.arguments), {**things, PROBLEM: problem})
     except MisfitError as misfit:
         error = misfit.error
-        raise source.error(misfit.at, error.value, error.why, error.fix) from error
+        units = chosen(amounts, [], asked)
+        raise source.error(misfit.at, error.value, error.reason, error.fix, units) from error
     title = stated.title or source.file.stem
     cases: dict[str, list[int]] = {}
     nodes = program.call.arguments.get("reference_loads", [])
@@ -147,7 +149,7 @@ def stated_by(source: Source) -> Stated:
         case = stated.reference_loads[entry(nodes, place, things)].case
         if case is not None:
             cases.setdefault(case, []).append(place)
-    units = chosen(amounts, problem.sizes, stated.solve.units.given)
+    units = chosen(amounts, problem.sizes, asked)
     animated = stated.path is not None and stated.path.animation
     return Stated(
         source, problem, program, things, title, stated.solve, cases, units, path, animated

@@ -13,6 +13,8 @@ from lacore.errors import InputError
 from lacore.files.contents import contents
 from lacore.files.problem.places import Path, lines
 from lacore.files.problem.wording import in_words_of_files, value_of_files
+from lacore.reporting.text import Reader, render
+from lacore.reporting.units import Units
 
 _TWICE = re.compile(r"Cannot (mutate immutable namespace|overwrite a value).*")  # of tomllib
 
@@ -55,8 +57,19 @@ class Source:
             ) from error
         return cls(file, data, lines(text))
 
-    def error(self, path: Path, value: object, why: str, fix: str) -> InputError:
-        """An error of what is at a path, or of the nearest thing around it that is there."""
+    def error(
+        self, path: Path, value: object, reason: str, fix: str, units: Units | None = None
+    ) -> InputError:
+        """Return an error of the value at a path, or of the nearest value around it.
+
+        Args:
+            path: Where the value is.
+            value: The value, if the file does not state it.
+            reason: Why it cannot be right.
+            fix: How to fix it.
+            units: Of the quantities in the message; None: SI.
+        """
+        reader = Reader(units, of_files=True)
         there, own = self._nearest(path)
         if own is not None and not isinstance(own, dict | list):
             value = own
@@ -65,8 +78,8 @@ class Source:
         return InputError(
             f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
             None if shown == [] else shown,
-            in_words_of_files(why),
-            in_words_of_files(fix),
+            in_words_of_files(render(reason, reader)),
+            in_words_of_files(render(fix, reader)),
         )
 
     def line(self, path: Path) -> int:

@@ -8,7 +8,7 @@ from functools import cache
 from math import degrees, isclose, isfinite
 from typing import TYPE_CHECKING
 
-from lacore.numerics.quantities import FORCES, LENGTHS, STRESSES, Units, fitting
+from lacore.reporting.units import FORCES, LENGTHS, STRESSES, Units, fitting
 
 if TYPE_CHECKING:
     import pint
@@ -70,11 +70,11 @@ class WrongUnitError(ValueError):
     """A text that is no amount of what is asked for.
 
     Attributes:
-        why, fix: as of `lacore.errors.InputError`.
+        reason, fix: as of `lacore.errors.InputError`.
     """
 
     def __init__(self, why: str, fix: str) -> None:
-        self.why, self.fix = why, fix
+        self.reason, self.fix = why, fix
         super().__init__(f"{why}; {fix}")
 
 

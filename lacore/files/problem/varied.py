@@ -83,7 +83,7 @@ def read_varied(source: Source, text: str, field: Path | str) -> Varied:
         if not isinstance(field, str):
             raise
         value = "" if error.value is None else f" = {error.value!r}"
-        why = f"{error.field}{value}: {error.why}"
+        why = f"{error.field}{value}: {error.reason}"
         raise InputError(field, text, why, error.fix) from error
     if first[1] != second[1]:
         why = f"one end in {first[1] or 'no unit'}, the other in {second[1] or 'no unit'}"

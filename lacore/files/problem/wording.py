@@ -9,14 +9,6 @@ from lacore.files.problem.statements import plain
 
 _L = r"(?:lacore|la)\."
 _WORDS: Sequence[tuple[str, str]] = (
-    (
-        r"give a finite mu >= 0 \(0 or lacore.SMOOTH: none; lacore.STICK: no slip at all\)",
-        'give a number >= 0, or "smooth" or "stick"',
-    ),
-    (
-        r"give the tangent of the angle, or lacore.Coulomb\((\S+)\) if it is meant",
-        r'give the tangent, { angle = "\1 deg" }, or { mu = \1 } if that is meant',
-    ),
     (r"joint_friction=\{\('(.*?)', '(.*?)'\): friction\}", r'joints: between = ["\1", "\2"]'),
     (r"give VonMises\(shear_strength=k\).*", "give shear_strength, yield_stress or hardening"),
     (r"Layer\(density=\)", "density, as in { friction = 0.6, density = 2400 }"),

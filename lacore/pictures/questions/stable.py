@@ -2,9 +2,9 @@
 
 from matplotlib.figure import Figure
 
-from lacore.numerics.quantities import Units
 from lacore.pictures.mechanism import plot_mechanism
 from lacore.questions.stable import Stable
+from lacore.reporting.units import Units
 from lacore.showing import cut
 
 

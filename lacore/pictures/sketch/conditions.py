@@ -14,10 +14,10 @@ from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
 from lacore.contact.touching import in_plane, where_touching
 from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction, Tresca
-from lacore.numerics.quantities import Units
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
+from lacore.reporting.units import Units
 
 _HELD = "#3c3c3c"
 _LAWS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#b15928")

@@ -7,7 +7,6 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
-from lacore.numerics.quantities import Units, fitting
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.layout import lay_out
 from lacore.pictures.sketch.bodies import draw_body, part_names
@@ -24,6 +23,7 @@ from lacore.pictures.sketch.sheet import Sheet
 from lacore.pictures.space.acting import sketch_of_faces
 from lacore.pictures.space.problem import sketch_in_space
 from lacore.problem.problem import Problem
+from lacore.reporting.units import Units, fitting
 
 _POINTS = 72.0  # an inch
 _PAGE, _TALLEST = 5.6, 3.9  # inches: the structure alone

@@ -13,7 +13,7 @@ from matplotlib.textpath import TextPath
 from lacore.arrays import Floats
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.touching import Edges
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 
 TEXT = 9.0  # points
 _GAP = 2.0  # points, around labels and arrows

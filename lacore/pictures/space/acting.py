@@ -15,10 +15,10 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
 from lacore.conditions.where import Where
 from lacore.meshes.solid.faces import face_corners
-from lacore.numerics.quantities import Units
 from lacore.pictures.space.drawing import explain, page, space
 from lacore.pictures.space.surface import PLAIN, fill_faces
 from lacore.problem.problem import Problem
+from lacore.reporting.units import Units
 from lacore.showing import cut
 
 _HELD = ("#a8a8a8", "#8fa3b0", "#7d8c7a", "#b0a58f", "#6f6f7f", "#c2c2b0")

@@ -13,8 +13,8 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lacore.arrays import Floats, Ints
-from lacore.numerics.quantities import Units
 from lacore.pictures.space.structure import Blocks, from_behind
+from lacore.reporting.units import Units
 
 ELEVATION, AZIMUTH = 24.0, -58.0  # degrees: of the eye
 Colour = tuple[str, float]

@@ -9,7 +9,6 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lacore.arrays import Floats
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units
 from lacore.pictures.contact import COLOURS
 from lacore.pictures.space.drawing import (
     draw_edges,
@@ -22,6 +21,7 @@ from lacore.pictures.space.drawing import (
 )
 from lacore.pictures.space.problem import FIXED, FREE
 from lacore.pictures.space.structure import Motion, Touches, motion_of, stretch_of, touches_of
+from lacore.reporting.units import Units
 
 THRUST, LOAD = "#b2182b", "#0f7b3f"
 _OPAQUE = {"stick": 0.3, "slip": 0.8, "open": 0.8, "crush": 0.8}  # most stick, and hide the others

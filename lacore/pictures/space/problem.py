@@ -11,10 +11,10 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.loaded import carried
-from lacore.numerics.quantities import Units
 from lacore.pictures.space.drawing import explain, fill_polygons, fill_solids, page, space
 from lacore.pictures.space.structure import Blocks, blocks_of
 from lacore.problem.problem import Problem
+from lacore.reporting.units import Units
 from lacore.showing import cut
 
 FREE, FIXED = "#ece2cd", "#a8a8a8"

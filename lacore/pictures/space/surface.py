@@ -17,8 +17,8 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.limit.state import LimitState
 from lacore.meshes.solid.faces import face_corners
-from lacore.numerics.quantities import Units
 from lacore.pictures.space.drawing import explain, eye, page, space
+from lacore.reporting.units import Units
 
 _STRETCH = 0.1  # of the size of the bodies: the largest displacement that is drawn
 _WIDE = 7.4  # inches, with the scale of colours

@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lacore.limit.state import LimitState
-from lacore.numerics.quantities import Units
 from lacore.pictures.displaced import displacement_of, draw_displaced
 from lacore.pictures.space.mechanism import colours_of
 from lacore.pictures.space.structure import motion_of, stretch_of
@@ -17,6 +16,7 @@ from lacore.pictures.thumbnails.paper import (
     scale_of,
 )
 from lacore.pictures.thumbnails.solids import blocks_on_paper, surface_colours, surfaces_on_paper
+from lacore.reporting.units import Units
 
 
 def thumbnail_of_state(state: LimitState, size: Size = SIZE) -> Figure:

@@ -6,7 +6,6 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.body import Body
 from lacore.meshes.solid.faces import face_corners
-from lacore.numerics.quantities import Units
 from lacore.pictures.sketch.problem import draw_problem, extent_of
 from lacore.pictures.sketch.sheet import Sheet
 from lacore.pictures.space.acting import face_colours
@@ -15,6 +14,7 @@ from lacore.pictures.space.structure import blocks_of
 from lacore.pictures.thumbnails.paper import SIZE, Size, finish, paper, scale_of
 from lacore.pictures.thumbnails.solids import blocks_on_paper, surfaces_on_paper
 from lacore.problem.problem import Problem
+from lacore.reporting.units import Units
 
 _SYMBOLS = 0.3  # of the paper that symbols around the bodies take
 

@@ -105,7 +105,7 @@ class Components:
             return discretise(self.problem.with_loads(self.loads[number]))
         except InputError as wrong:
             field = f"loads[{self.names[number]!r}]: {wrong.field.removeprefix('Problem.')}"
-            raise InputError(field, wrong.value, wrong.why, wrong.fix) from None
+            raise InputError(field, wrong.value, wrong.reason, wrong.fix) from None
 
     @staticmethod
     def _vector(name: str, stated: Discretisation) -> Floats:

@@ -16,7 +16,7 @@ from scipy.optimize import linprog
 from scipy.sparse import diags_array
 
 import lacore as la
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 from lacore.state import ProgramState
 from lacore.status import Status
 from tests.lacore.models import obstacle, square

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from lacore.numerics.quantities import Units
 from lacore.pictures.contact import draw_panel
 from lacore.pictures.contact_segments import segmented_contacts
+from lacore.reporting.units import Units
 from tests.lacore.paths.path_billets import pressed
 from tests.lacore.pictures.readings import drawn, words
 

@@ -87,7 +87,7 @@ def test_mistakes_are_said_with_line_and_mend(tmp_path):
     assert 5 < len(refused) < total - 5
     for number, error in refused.items():
         assert LINE.match(error.field), (number, error)
-        assert error.why, number
+        assert error.reason, number
         assert error.fix, number
 
 
@@ -137,7 +137,7 @@ def test_ranges_are_taken_or_refused_with_a_mend(tmp_path):
     assert 5 < len(refused) < 38
     for asked, error in refused.items():
         assert error.field == "--vary" or LINE.match(error.field), (asked, error)
-        assert error.why, asked
+        assert error.reason, asked
         assert error.fix, asked
 
 

@@ -12,7 +12,7 @@ import pytest
 
 import lacore as la
 from lacore.limit.solve import solve
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 from tests.conftest import ROOT
 from tests.lacore.files.problem import footing
 from tests.verification.command_line import lacore

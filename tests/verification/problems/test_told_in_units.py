@@ -9,7 +9,7 @@ import pytest
 
 import lacore as la
 from lacore import views
-from lacore.numerics.quantities import LENGTHS, STRESSES, Units
+from lacore.reporting.units import LENGTHS, STRESSES, Units
 from tests.verification.command_line import lacore
 from tests.verification.problems.test_more import PORTAL
 

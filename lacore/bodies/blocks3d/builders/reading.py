@@ -102,7 +102,7 @@ def _block(
     try:
         return Polyhedron(points, faces, tolerance)
     except InputError as error:
-        why = f"block {name!r}, {error.field}: {error.why}"
+        why = f"block {name!r}, {error.field}: {error.reason}"
         raise InputError("path", path, why, error.fix) from error
 
 

@@ -76,7 +76,7 @@ class Measure(_Read):
             try:
                 return amount(given, accepted)
             except WrongUnitError as error:
-                raise refused(error.why, error.fix) from error
+                raise refused(error.reason, error.fix) from error
         own = accepted[0] if accepted else ""
         if self.endless and isinstance(given, float) and isinf(given):
             return Amount(given, given, own)

@@ -3,7 +3,7 @@
 import pytest
 
 from lacore.files.problem.units import Amount, WrongUnitError, amount, chosen
-from lacore.numerics.quantities import Units
+from lacore.reporting.units import Units
 
 
 @pytest.mark.parametrize(

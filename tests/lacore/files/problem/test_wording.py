@@ -13,7 +13,12 @@ PYTHON = re.compile(r"\b(la|lacore)\.|\w\(|SMOOTH|STICK|BOND|True|False|\bNone\b
 @pytest.mark.parametrize(
     ("name", "old", "new", "said"),
     [
-        ("masonry-wall", "friction = 0.75", "friction = -0.75", r':10: .*= -0.75: .*"smooth" or'),
+        (
+            "masonry-wall",
+            "friction = 0.75",
+            "friction = -0.75",
+            r':10: .*= -0.75: .*"smooth" \(no',
+        ),
         ("masonry-wall", "friction = 0.75", "friction = 37", r"= 37: .*\{ angle = \"37 deg\" \}"),
         (
             "masonry-wall",

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lacore.numerics.quantities import Units, fitting
+from lacore.reporting.units import Units, fitting
 
 
 @pytest.mark.parametrize(

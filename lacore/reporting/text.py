@@ -1,0 +1,180 @@
+"""Texts that keep their quantities and names as values until they are rendered for a reader."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from lacore.reporting.units import Units
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Numbers with a unit: a single one, a vector or an interval.
+
+    Attributes:
+        numbers: In SI; a word such as "varies" takes the place of an unknown number.
+        unit: Of SI, as of `Units.size`.
+        form: Format of a number in SI.
+        pattern: Where the numbers stand; by default ``{}`` for one and ``({}, {})`` for several.
+        framed: Whether it belongs to a frame, see `Units.size`.
+    """
+
+    numbers: float | tuple[float | str, ...]
+    unit: str
+    form: str = "g"
+    pattern: str = ""
+    framed: bool = False
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The numbers without the words."""
+        return tuple(own for own in self._all if not isinstance(own, str))
+
+    @property
+    def _all(self) -> tuple[float | str, ...]:
+        return self.numbers if isinstance(self.numbers, tuple) else (self.numbers,)
+
+    def rendered(self, units: Units | None = None) -> str:
+        """Return the numbers with their unit, in SI where no units are given."""
+        size = 1.0 if units is None else units.size(self.unit, self.framed)
+        label = self.unit if units is None else units.label(self.unit, self.framed)
+        shown = [self._number(own, size, units is None) for own in self._all]
+        pattern = self.pattern or (
+            "{}" if len(shown) == 1 else f"({', '.join('{}' for _ in shown)})"
+        )
+        return f"{pattern.format(*shown)} {label}".rstrip()
+
+    def _number(self, own: float | str, size: float, in_si: bool) -> str:
+        if isinstance(own, str):
+            return own
+        # Rounded in SI first, so that all readers see the same digits.
+        return f"{own:{self.form}}" if in_si else f"{float(f'{own:{self.form}}') / size:.7g}"
+
+    def __str__(self) -> str:
+        return self.rendered()
+
+
+def interval(low: float, high: float, unit: str, form: str = "g") -> Quantity:
+    """Return ``1 to 2 Pa``, or ``1 Pa`` where both ends are written alike."""
+    if f"{low:{form}}" == f"{high:{form}}":
+        return Quantity(low, unit, form)
+    return Quantity((low, high), unit, form, "{} to {}")
+
+
+@dataclass(frozen=True)
+class Term:
+    """A name or an expression that Python users and users of problem files write differently.
+
+    Attributes:
+        python: As written in Python.
+        file: As written in a problem file, or on the command line beside it.
+    """
+
+    python: str
+    file: str
+
+    def __str__(self) -> str:
+        return self.python
+
+
+@dataclass(frozen=True)
+class Reader:
+    """For whom a text is rendered.
+
+    Attributes:
+        units: Units of the quantities; None: those of SI, with the digits that were stated.
+        of_files: Whether names are those of problem files rather than of Python.
+    """
+
+    units: Units | None = None
+    of_files: bool = False
+
+
+PYTHON = Reader()
+"""Users of the Python library, who state and read everything in SI."""
+
+Part = str | Quantity | Term
+
+
+class Text(str):
+    """A text for Python users that keeps its parts, so that it can be rendered for others.
+
+    It is made by `text` and rendered by `render`. An f-string that contains it is plain text for
+    Python users; compose texts by `text` and `joined` to keep the parts.
+
+    Attributes:
+        parts: Plain text, quantities and terms, in order.
+    """
+
+    parts: tuple[Part, ...]
+
+    def __new__(cls, *parts: Part) -> Text:
+        """Join parts."""
+        own = super().__new__(cls, "".join(map(str, parts)))
+        own.parts = parts
+        return own
+
+    def __reduce__(self) -> tuple[type[Text], tuple[Part, ...]]:
+        """Pickle by the parts."""
+        return Text, self.parts
+
+
+def text(template: str, *values: object) -> Text:
+    """Return a template with values in place of each ``{}``: quantities, terms, texts, others."""
+    first, *rest = template.split("{}")
+    if len(rest) != len(values):
+        raise TypeError(f"{len(values)} values for the template {template!r}")
+    parts: list[Part] = [first]
+    for value, after in zip(values, rest, strict=True):
+        parts += [*_parts(value), after]
+    return Text(*_merged(parts))
+
+
+def joined(separator: str, texts: Iterable[str]) -> Text:
+    """Return texts with a separator between them."""
+    parts: list[Part] = []
+    for own in texts:
+        parts += [separator, *_parts(own)] if parts else _parts(own)
+    return Text(*_merged(parts))
+
+
+def render(own: str, reader: Reader = PYTHON) -> str:
+    """Return a text as a reader writes its quantities and names; plain text as it is."""
+    if not isinstance(own, Text):
+        return own
+    return "".join(_rendered(part, reader) for part in own.parts)
+
+
+def quantities(own: str) -> Iterator[Quantity]:
+    """Yield the quantities of a text."""
+    yield from (part for part in getattr(own, "parts", ()) if isinstance(part, Quantity))
+
+
+def _rendered(part: Part, reader: Reader) -> str:
+    if isinstance(part, Quantity):
+        return part.rendered(reader.units)
+    if isinstance(part, Term):
+        return part.file if reader.of_files else part.python
+    return part
+
+
+def _parts(value: object) -> tuple[Part, ...]:
+    if isinstance(value, Text):
+        return value.parts
+    return (value,) if isinstance(value, Quantity | Term) else (str(value),)
+
+
+def _merged(parts: Iterable[Part]) -> Iterator[Part]:
+    """Join plain texts that follow each other."""
+    plain = ""
+    for part in parts:
+        if isinstance(part, str):
+            plain += part
+            continue
+        if plain:
+            yield plain
+        plain = ""
+        yield part
+    if plain:
+        yield plain
