@@ -22,6 +22,8 @@ from lacore.errors import InputError
 from lacore.meshes.joined import Joined, elements_of, joined, parted
 from lacore.problem.matching import glued
 from lacore.problem.problem import Problem
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 
 _OPENING = {"normal", "xyz"}  # supports that soil slips along, or past which it opens
 
@@ -39,7 +41,11 @@ def continua(problem: Problem) -> dict[str, Body]:
             "Problem.bodies",
             list(problem.bodies),
             "a bracket refines the meshes of deformable bodies, and rigid blocks have none",
-            "take lacore.solve or coulomb_range: of rigid blocks alone there is nothing to refine",
+            text(
+                "take {} or {}: of rigid blocks alone there is nothing to refine",
+                Term("lacore.solve", "`lacore solve` without --bracket"),
+                Term("coulomb_range", "--range"),
+            ),
         )
     deforming = of_kind(meshed, Body)
     for name, stated in meshed.items():
@@ -49,7 +55,13 @@ def continua(problem: Problem) -> dict[str, Body]:
                 f"Problem.bodies[{name!r}]",
                 type(stated if body is None else body.mesh).__name__,
                 "a bracket takes deformable bodies on straight-edged triangles, or tetrahedra",
-                "give a lacore.Body on a skfem.MeshTri, or a MeshTet",
+                text(
+                    "give a {}",
+                    Term(
+                        "lacore.Body on a skfem.MeshTri, or a MeshTet",
+                        'body of kind "continuum", not of q2',
+                    ),
+                ),
             )
         if body.dimension == 3 and len(meshed) > 1:
             raise InputError(
@@ -63,7 +75,7 @@ def continua(problem: Problem) -> dict[str, Body]:
                 f"Problem.bodies[{name!r}].kinematics",
                 body.kinematics,
                 "nothing is a strict bound of a body of revolution",
-                "take `solve`, whose value converges under refinement",
+                text("take {}, whose value converges under refinement", terms.SOLVE),
             )
     return deforming
 

@@ -11,6 +11,7 @@ from lacore.conditions.footings import Footing, RigidFooting, Twist, footings
 from lacore.conditions.loads import Load
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
+from lacore.reporting.text import Term, text
 
 _ROUND_OFF = 1e-12  # of the load that remains where supports take all of it
 
@@ -112,7 +113,10 @@ def require_load(loads: Sequence[Load]) -> None:
             "Problem.reference_loads",
             None,
             "there is none, so there is nothing that the load factor could multiply",
-            "give at least one load, or let lacore.sequential(..., tools={...}) drive a path",
+            text(
+                "give at least one load, or let {} drive a path",
+                Term("lacore.sequential(..., tools={...})", "[tools.NAME]"),
+            ),
         )
 
 

@@ -13,6 +13,7 @@ from lacore.bodies.continuum.regions.gathering import by_body, region_count
 from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError
 from lacore.program import KinematicProgram, Scales
+from lacore.reporting.text import Term, text
 
 
 def strengths_of(groups: Sequence[DissipationGroup], dead_load: Floats, area: float) -> list[float]:
@@ -99,7 +100,10 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
             None,
             "bodies without cohesion under no dead load: nothing sets a scale of forces, the load"
             " factor would be 0, or have no limit",
-            "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields:"
-            " a cohesion, a compressive_strength",
+            text(
+                "give dead_loads (the own weight: {}), a Tresca friction, or a body that yields:"
+                " a cohesion, a compressive_strength",
+                Term("BodyForce", 'load = "weight"'),
+            ),
         )
     return Scales(length, max(strengths), velocity, across)

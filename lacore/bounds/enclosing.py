@@ -15,6 +15,8 @@ from lacore.errors import InputError
 from lacore.materials.criterion import Criterion
 from lacore.materials.friction import Coulomb, Friction, friction_law
 from lacore.problem.problem import Problem
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 
 
 def has_coulomb(problem: Problem) -> bool:
@@ -72,10 +74,13 @@ def require_associated_flow(bodies: Mapping[str, Body]) -> None:
                     named_criterion(name, region),
                     region.criterion.label,
                     "its flow is not associated, and the bound theorems do not hold with it",
-                    "an upper bound with its dilation_angle left out is one of all its load"
-                    " factors, a lower one with friction_angle = dilation_angle and the cohesion"
-                    " times tan(psi)/tan(phi) as well (T54), which without dilation leaves no"
-                    " strength; lacore.soil_range looks for them",
+                    text(
+                        "an upper bound with its dilation_angle left out is one of all its load"
+                        " factors, a lower one with friction_angle = dilation_angle and the"
+                        " cohesion times tan(psi)/tan(phi) as well (T54), which without dilation"
+                        " leaves no strength; {} looks for them",
+                        terms.SOIL_RANGE,
+                    ),
                 )
 
 
@@ -89,9 +94,15 @@ def require_known_strengths(bodies: Mapping[str, Body]) -> None:
                     region.criterion.label,
                     "a strength that is not linear in each element: bounds have to know how far it"
                     " varies there",
-                    "give lacore.Field(function, steepest=...), its largest slope per m; let"
-                    " edges of the mesh follow jumps and bends, as lacore.meshes.layered does; or"
-                    " take `solve`",
+                    text(
+                        "{}let edges of the mesh follow jumps and bends, as {} does; or take {}",
+                        Term(
+                            "give lacore.Field(function, steepest=...), its largest slope per m; ",
+                            "",
+                        ),
+                        terms.LAYERED,
+                        terms.SOLVE,
+                    ),
                 )
 
 

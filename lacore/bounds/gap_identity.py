@@ -25,6 +25,8 @@ from lacore.bounds.upper import UpperBound, plastic_power
 from lacore.errors import InputError, typed
 from lacore.limit.state import LimitState
 from lacore.program import require_homogeneous
+from lacore.reporting import terms
+from lacore.reporting.text import text
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.status import Status
 
@@ -222,7 +224,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
             "upper",
             None,
             "Coulomb friction has no bounds whose difference could be split",
-            "state Coulomb(mu, associated=True) for both",
+            text("state {} for both", terms.ASSOCIATED),
         )
     outlines = [
         [(name, dofs.body.names, dofs.body.edges.start.tolist()) for name, dofs in own.items()]

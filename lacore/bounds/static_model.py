@@ -48,6 +48,8 @@ from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
 from lacore.program import DissipationGroup, KinematicProgram, Scales
 from lacore.reduction import held_shut, kept_points, reduced
+from lacore.reporting import terms
+from lacore.reporting.text import text
 from lacore.showing import Facts, Shown, counted, listed, placed, sized
 
 
@@ -313,8 +315,12 @@ def _check_statable(problem: Problem) -> None:
                 f"Problem.interfaces[{index}].friction",
                 interface.name,
                 "Coulomb friction is not associated, and the bound theorems do not hold with it",
-                "give Coulomb(mu, associated=True), or SMOOTH, whose lower bound is one of every"
-                " Coulomb load factor too, as `bracket` takes it",
+                text(
+                    "give {}, or {}, whose lower bound is one of every Coulomb load factor too, as"
+                    " `bracket` takes it",
+                    terms.ASSOCIATED,
+                    terms.SMOOTH,
+                ),
             )
     for name, body in of_kind(problem.bodies, BlockAssembly).items():
         if np.any(body.joints.coefficient > 0):
@@ -323,7 +329,11 @@ def _check_statable(problem: Problem) -> None:
                 None,
                 "Coulomb friction of joints is not associated, and the bound theorems do not hold"
                 " with it",
-                "give Coulomb(mu, associated=True), or SMOOTH, as `bracket` does for its two ends",
+                text(
+                    "give {}, or {}, as `bracket` does for its two ends",
+                    terms.ASSOCIATED,
+                    terms.SMOOTH,
+                ),
             )
 
 

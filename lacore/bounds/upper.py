@@ -48,6 +48,8 @@ from lacore.program import (
     require_homogeneous,
 )
 from lacore.reduction import reduced
+from lacore.reporting import terms
+from lacore.reporting.text import text
 from lacore.showing import Facts, Picture, Shown
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
@@ -172,8 +174,11 @@ def upper_bound(
             "Problem.interfaces",
             state.coupling,
             "Coulomb friction is not associated, and the bound theorems do not hold with it",
-            "give Coulomb(mu, associated=True); `solve` with coupling='associated' has an upper"
-            " bound of every Coulomb load factor",
+            text(
+                "give {}; `solve` with coupling='associated' has an upper bound of every Coulomb"
+                " load factor",
+                terms.ASSOCIATED,
+            ),
         )
     require_known_strengths(of_kind(given.bodies, Body))
     require_known_forces(given)

@@ -12,6 +12,8 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.conditions.where import Where, where_name
 from lacore.errors import InputError, is_number, is_vector, require_place, require_range
+from lacore.reporting import terms
+from lacore.reporting.text import text
 from lacore.showing import Compact, short
 
 TURNS = ("x", "y", "z", "xy", "xz", "yz", "xyz")
@@ -115,7 +117,9 @@ class RigidFooting(Footing):
                 raise InputError(
                     f"RigidFooting.{name}",
                     given,
-                    "is zero: a footing is driven by its load, and held by a Fix",
+                    text(
+                        "is zero: a footing is driven by its load, and held by a {}", terms.SUPPORT
+                    ),
                     f"give a {name} != 0",
                 )
         if self.turning is not None and self.turning not in TURNS:
@@ -136,8 +140,12 @@ class RigidFooting(Footing):
                     "RigidFooting.through",
                     self.through,
                     "of another space than direction: footings turn in space only",
-                    "give three numbers each; in the plane bond a lacore.RigidBlock to the body"
-                    " (lacore.BOND) and load that",
+                    text(
+                        "give three numbers each; in the plane bond a {} to the body ({}) and load"
+                        " that",
+                        terms.RIGID_BLOCK,
+                        terms.BOND,
+                    ),
                 )
             object.__setattr__(self, "through", tuple(map(float, self.through)))
         # Footings are told apart by value, so a direction given as a list has to be hashable.

@@ -11,6 +11,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.conditions.where import Where, where_name
 from lacore.errors import InputError, is_number, require_positive, require_range
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact, short
 
 WATER = 9.81e3
@@ -96,8 +97,14 @@ class PorePressure(Compact):
                 field,
                 given,
                 "no pressure",
-                "give a lacore.WaterTable, a function of coordinates (2, n), the values at the"
-                " vertices of the mesh, or a number, in Pa",
+                text(
+                    "give {}, or a number, in Pa",
+                    Term(
+                        "a lacore.WaterTable, a function of coordinates (2, n), the values at the"
+                        " vertices of the mesh",
+                        "{ height = ... }",
+                    ),
+                ),
             )
 
     @property
@@ -148,7 +155,11 @@ class StandingWater(Compact):
                 "StandingWater.pressure",
                 self.pressure,
                 "not a function of coordinates",
-                "give a lacore.WaterTable(height); what is uniform is a lacore.Pressure",
+                text(
+                    "give {}; what is uniform is {}",
+                    Term("a lacore.WaterTable(height)", "{ height = ... }"),
+                    Term("a lacore.Pressure", 'load = "pressure"'),
+                ),
             )
 
     @property

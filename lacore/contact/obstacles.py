@@ -11,6 +11,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.touching import TOUCH
 from lacore.errors import InputError, is_vector, require_place, require_range
 from lacore.materials.friction import FrictionTerms
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact
 
 _NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
@@ -120,7 +121,10 @@ class RigidObstacle(Compact):
                     "RigidObstacle",
                     (self.point, self.normal),
                     "not two vectors of one space",
-                    "give point=(x, y), normal=(nx, ny), in space three numbers each",
+                    text(
+                        "give {}, in space three numbers each",
+                        Term("point=(x, y), normal=(nx, ny)", "point = [x, y], normal = [nx, ny]"),
+                    ),
                 )
             if not np.any(self.normal):
                 raise InputError(

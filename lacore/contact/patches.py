@@ -18,7 +18,9 @@ from lacore.bodies.blocks3d.surface import axes_of
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
-from lacore.showing import Compact, placed
+from lacore.reporting import terms
+from lacore.reporting.text import Quantity, text
+from lacore.showing import Compact
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -140,10 +142,17 @@ def _check_obstacle(body: BlockAssembly3D, faces: Ints, interface: Interface, fi
         raise InputError(
             field,
             interface.name,
-            f"does not touch its obstacle: the corner of {block!r} at {placed(corners[:, worst])} m"
-            f" lies {abs(gap[worst]):.3g} m {'above' if gap[worst] > 0 else 'inside'} it",
-            "move the block or RigidObstacle.point so that the two coincide, or select the faces"
-            " that touch it",
+            text(
+                "does not touch its obstacle: the corner of {} at {} lies {} {} it",
+                repr(block),
+                Quantity(tuple(corners[:, worst]), "m", ".6g"),
+                Quantity(abs(gap[worst]), "m", ".3g"),
+                "above" if gap[worst] > 0 else "inside",
+            ),
+            text(
+                "move the block or {} so that the two coincide, or select the faces that touch it",
+                terms.POINT_OF_PLANE,
+            ),
         )
     normal = plane.normal(body.face_centroid[:, faces])
     if np.any(np.sum(normal * body.faces.normal[:, faces], axis=0) > 0):

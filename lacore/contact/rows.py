@@ -34,6 +34,8 @@ from lacore.contact.touching import Touching, of_joints
 from lacore.errors import InputError
 from lacore.numerics.interleaving import interleaved
 from lacore.program import ContactRows
+from lacore.reporting.terms import BOND
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact
 
 _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
@@ -215,9 +217,17 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
         raise InputError(
             "Interface.friction",
             interface.law,
-            f"a tension of {law.tension:.4g} Pa, beside a shear strength of {strength:.4g} Pa in"
-            " the bodies: nothing would ever open",
-            f"give at most {most:.4g} Pa; lacore.BOND neither opens nor slips",
+            text(
+                "a tension of {}, beside a shear strength of {} in the bodies: nothing would ever"
+                " open",
+                Quantity(law.tension, "Pa", ".4g"),
+                Quantity(strength, "Pa", ".4g"),
+            ),
+            text(
+                "give at most {}; {} neither opens nor slips",
+                Quantity(most, "Pa", ".4g"),
+                BOND,
+            ),
         )
     # Stick, where it is far beyond any shear stress that the bodies can carry.
     sticks = law.limit > most

@@ -13,6 +13,8 @@ from lacore.bodies.touching import Edges, near_misses, touching
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
+from lacore.reporting import terms
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact
 
 _SAME_FACE = 1 - 1e-9  # cosine between the normals of faces on one line
@@ -155,9 +157,12 @@ def _check_obstacle(
         raise InputError(
             field,
             interface.name,
-            f"does not touch its obstacle: a node lies {abs(worst):.3g} m "
-            f"{'above' if worst > 0 else 'inside'} it",
-            "move the body or RigidObstacle.point so that the two coincide",
+            text(
+                "does not touch its obstacle: a node lies {} {} it",
+                Quantity(abs(worst), "m", ".3g"),
+                "above" if worst > 0 else "inside",
+            ),
+            text("move the body or {} so that the two coincide", terms.POINT_OF_PLANE),
         )
     normal = face.normal((edges.start + edges.end) / 2)
     outward = np.flatnonzero(np.sum(normal * edges.normal, axis=0) > 0)
@@ -178,7 +183,7 @@ def _obstacle_normals(interface: Interface, places: Floats, field: str) -> Float
             field,
             interface.name,
             "a node of a frame has no shape that an obstacle could follow",
-            "give RigidObstacle(point=(x, y), normal=(nx, ny))",
+            text("give {}", terms.PLANE),
         )
     return face.normal(places)
 

@@ -14,6 +14,8 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.reporting import terms
+from lacore.reporting.text import text
 from lacore.state import ProgramState
 
 
@@ -42,7 +44,7 @@ def interval_of_state(
             "LimitState.interval",
             None,
             "the mechanism of a soil whose flow is not associated has no ends that can be proven",
-            "take lacore.soil_range, which looks for the range of load factors",
+            text("take {}, which looks for the range of load factors", terms.SOIL_RANGE),
         )
     engine = find_backend(backend)
     program = dimensionless(discretisation.program, discretisation.natural)

@@ -11,6 +11,7 @@ from lacore.errors import InputError, is_number, require_known, require_range
 from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm
 from lacore.materials.fields import Field, Given, Strength, number_told, taken
 from lacore.materials.hardening import HardeningLaw, Perfect, require_hardening_law
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact
 
 
@@ -52,8 +53,14 @@ class VonMises(Compact):
                 "VonMises",
                 sorted(given),
                 "needs exactly one of shear_strength, yield_stress and hardening",
-                "give VonMises(shear_strength=k) or VonMises(yield_stress=sqrt(3)*k), in Pa,"
-                " or a law as VonMises(hardening=...)",
+                text(
+                    "give {}",
+                    Term(
+                        "VonMises(shear_strength=k) or VonMises(yield_stress=sqrt(3)*k), in Pa,"
+                        " or a law as VonMises(hardening=...)",
+                        "shear_strength, yield_stress or hardening",
+                    ),
+                ),
             )
         if self.hardening is not None:
             require_hardening_law("VonMises.hardening", self.hardening)

@@ -12,6 +12,7 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.errors import InputError, require_range, typed
 from lacore.meshes.curved import is_curved, jacobians, subdivided
 from lacore.meshes.solid.shape import shapes
+from lacore.reporting.text import Term, text
 
 _DEGENERATE = 1e-10  # area over squared longest edge; below it gradients lose all their digits
 # Quality below which residuals of exact solves, some 1e-10 on good meshes, come near the 1e-6 that
@@ -112,7 +113,10 @@ def check_connected(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
             int(parts),
             f"disconnected parts (joined by no element {_FACET[mesh.p.shape[0]]}), with elements at"
             f" {places[0]} and {places[1]}",
-            "make each part a Body of its own, or merge coincident vertices",
+            text(
+                "make each part a {} of its own, or merge coincident vertices",
+                Term("Body", "body"),
+            ),
         )
 
 

@@ -17,10 +17,23 @@ from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.conditions.footings import footings
 from lacore.errors import InputError, is_plane_vector, is_vector, require_range
 from lacore.problem.problem import Problem
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact
 
 Gauge = Callable[[Discretisation, Floats], float]
 """Rate of the travel at a velocity of all unknowns, in units of the travel per s."""
+
+_FOOTING = Term("lacore.FootingTravel()", 'control = { measure = "footing" }')
+_POINT = Term(
+    "lacore.PointTravel(body, at, direction)",
+    'control = { measure = "point", body = ..., at = ..., direction = ... }',
+)
+_TOOLS = Term(
+    "lacore.ToolTravel({'tool': (x, y)})",
+    'control = { measure = "tools", velocity = { NAME = [x, y] } }',
+)
+_TIME = Term("lacore.Time()", 'control = { measure = "time" }')
 
 
 class Control(Protocol):
@@ -48,8 +61,7 @@ def gauge_of(control: Control, problem: Problem) -> Gauge:
             "control",
             control,
             "not a control",
-            "give lacore.FootingTravel(), lacore.PointTravel(body, at, direction),"
-            " lacore.ToolTravel({'tool': (x, y)}) or lacore.Time()",
+            text("give {}, {}, {} or {}", _FOOTING, _POINT, _TOOLS, _TIME),
         )
     return control.gauge(problem)
 
@@ -76,9 +88,13 @@ class FootingTravel(Compact):
             raise InputError(
                 "control",
                 "FootingTravel",
-                "the reference load is not one RigidFooting",
-                "give control=lacore.PointTravel(body, at, direction) or lacore.Time(), or"
-                " tools={'name': lacore.Tool(...)} that move",
+                text("the reference load is not one {}", terms.FOOTING),
+                text(
+                    "give {} or {}, or {} that move",
+                    _POINT,
+                    _TIME,
+                    Term("tools={'name': lacore.Tool(...)}", "tools, such as [tools.NAME],"),
+                ),
             )
         return lambda d, velocity: float(velocity[d.footings[0]])
 
@@ -157,7 +173,8 @@ class ToolTravel(Compact):
         for name, own in self.velocity.items():
             field = f"ToolTravel.velocity[{name!r}]"
             if name not in tools:
-                fix = f"give one of {sorted(tools)}" if tools else "add a lacore.RigidBlock"
+                known = f"give one of {sorted(tools)}"
+                fix = known if tools else text("add a {}", terms.RIGID_BLOCK)
                 raise InputError(field, own, "no rigid block has this name", fix)
             if not is_vector(own) or len(own) not in (2, 3):
                 raise InputError(field, own, "not a velocity", "give (x, y), or (x, y, turn)")

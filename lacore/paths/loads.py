@@ -7,6 +7,8 @@ from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import Load
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 
 
 @singledispatch
@@ -22,8 +24,11 @@ def _no_water(load: PorePressure | StandingWater, field: str) -> None:
         load.told,
         "water at rest has its surface where it is, and the vertices of a body that flows far leave"
         " it",
-        "leave it out, or give Pressure along the boundary; `solve` takes it in the shape that is"
-        " given",
+        text(
+            "leave it out, or give {} along the boundary; `solve` takes it in the shape that is"
+            " given",
+            terms.PRESSURE,
+        ),
     )
 
 
@@ -34,7 +39,10 @@ def _uniform(load: BodyForce, field: str) -> None:
             field,
             load.told,
             "varies by place or by element, and the body moves and gets other meshes",
-            "give a number for each region: BodyForce(body, (x, y), where=region)",
+            text(
+                "give a number for each region{}",
+                Term(": BodyForce(body, (x, y), where=region)", " (where = region)"),
+            ),
         )
 
 
@@ -45,6 +53,10 @@ def of_block(part: Any, kind: str) -> Any:
             f"{kind}.where",
             None,
             f"a function of coordinates, and the rigid block {part.body!r} moves away from them",
-            "give the name of the block, 'block' of a lacore.RigidBlock, or a PointForce",
+            text(
+                "give the name of the block, 'block' of a {}, or a {}",
+                terms.RIGID_BLOCK,
+                Term("PointForce", "point force"),
+            ),
         )
     return part

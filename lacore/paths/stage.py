@@ -36,6 +36,8 @@ from lacore.paths.tools.block import PART, ToolBlock, moved_shape
 from lacore.paths.tools.contact import driving
 from lacore.paths.tools.tool import NO_TOOLS, Tooling
 from lacore.problem.problem import Problem
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact
 
 
@@ -320,7 +322,7 @@ def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> 
             "Interface.friction",
             "BOND",
             f"along a path bodies that deform are bonded, and {name!r} is rigid",
-            "give a friction, lacore.STICK for one that does not slip",
+            text("give a friction, {} for one that does not slip", terms.STICK),
         )
     return names.of(bodies[name], name, where, "Interface.slave")
 
@@ -344,7 +346,7 @@ def _check_tied(problem: Problem) -> None:
                 f"Problem.interfaces[{index}]",
                 interface.name,
                 "edges of its two sides do not match, and along a path what is bonded moves as one",
-                "give both sides the same vertices: lacore.matching(problem)",
+                text("give both sides the same vertices{}", Term(": lacore.matching(problem)", "")),
             )
 
 
@@ -354,7 +356,7 @@ def _curved(name: str, body: object) -> Body:
             f"Problem.bodies[{name!r}]",
             type(body).__name__,
             "a path follows deformable bodies and single rigid blocks in the plane",
-            "give a lacore.Body or a lacore.RigidBlock",
+            text("give a {} or a {}", terms.CONTINUUM, terms.RIGID_BLOCK),
         )
     if body.kinematics not in ("plane_strain", "axisymmetric"):
         raise InputError(

@@ -14,6 +14,8 @@ from lacore.conditions.water import StandingWater
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 
 _ROUND_OFF = 1e-12  # of a direction of length 1
 
@@ -45,7 +47,11 @@ def check_axisymmetry(
                 f"Problem.bodies[{name!r}]",
                 continua[name].kinematics if name in continua else type(body).__name__,
                 "plane, beside an axisymmetric body",
-                "make it a Body(kinematics='axisymmetric') too, or a RigidObstacle",
+                text(
+                    "make it {} too, or a {}",
+                    Term("a Body(kinematics='axisymmetric')", 'kinematics = "axisymmetric"'),
+                    terms.OBSTACLE,
+                ),
             )
     for field, load in loads.items():
         _check_load(load, field, round_ones[load.body])
@@ -78,7 +84,11 @@ def _check_footing(load: RigidFooting, field: str, body: Body) -> None:
             f"{field}.direction",
             load.direction,
             "a rigid ring cannot move along r",
-            "give (0, 1) or (0, -1), along the axis z; along r a Pressure or a Traction",
+            text(
+                "give (0, 1) or (0, -1), along the axis z; along r {} or {}",
+                Term("a Pressure", 'load = "pressure"'),
+                Term("a Traction", 'load = "traction"'),
+            ),
         )
     _check_off_axis(body, load.where, f"{field}.where")
 

@@ -8,6 +8,8 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.touching import Touched
 from lacore.conditions.footings import footings
 from lacore.errors import InputError
+from lacore.reporting import terms
+from lacore.reporting.text import text
 
 if TYPE_CHECKING:
     from lacore.problem.problem import Problem
@@ -51,7 +53,7 @@ def _check_bonds(problem: "Problem") -> None:
                 f"Problem.interfaces[{index}].friction",
                 "BOND",
                 f"{interface.name}: a node of a frame has no edge along which it could be bonded",
-                "give it a friction, or hold the node by a Fix",
+                text("give it a friction, or hold the node by a {}", terms.SUPPORT),
             )
 
 

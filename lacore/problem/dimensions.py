@@ -9,6 +9,8 @@ from lacore.conditions.footings import RigidFooting, Twist
 from lacore.conditions.loads import COMPONENTS, Fix, Load, PointForce, Traction
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
+from lacore.reporting import terms
+from lacore.reporting.text import text
 
 SPACES = {2: "the plane", 3: "space"}
 _AXES = {2: "(x, y)", 3: "(x, y, z)"}
@@ -82,8 +84,8 @@ def check_interface_dimension(interface: Interface, field: str, dimension: int) 
     """Raise `InputError` where an obstacle is of another space than the body that it touches."""
     if interface.bonded and dimension == 3:
         why = "nothing in space has bonds that could break yet"
-        fix = "make what never parts one body or polyhedron, hold it by a Fix, or give a friction"
-        raise InputError(f"{field}.friction", "BOND", why, fix)
+        own = "make what never parts one body or polyhedron, hold it by a {}, or give a friction"
+        raise InputError(f"{field}.friction", "BOND", why, text(own, terms.SUPPORT))
     obstacle = interface.obstacle
     if obstacle is None:
         return

@@ -26,6 +26,7 @@ from lacore.problem.dimensions import (
     dimension_of,
 )
 from lacore.problem.wet import check_wet
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -125,7 +126,10 @@ class Problem(Shown):
                 "Problem.bodies",
                 None,
                 "there is none with a name",
-                "give bodies={'name': Body(...)}",
+                text(
+                    "give {}",
+                    Term("bodies={'name': Body(...)}", "one as a table, such as [bodies.NAME]"),
+                ),
             )
         for name, body in self.bodies.items():
             if not isinstance(name, str):

@@ -16,6 +16,8 @@ from lacore.conditions.water import PorePressure, StandingWater
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
 from lacore.meshes.curved import vertices
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 
 if TYPE_CHECKING:
     from lacore.problem.problem import Problem
@@ -88,6 +90,13 @@ def _refuse_pores(load: PorePressure, field: str, interface: Interface) -> None:
         load.body,
         f"touches another body, {interface.name}, with a friction that pressure adds to: how the"
         " water of the one presses the other across edges that need not match is not stated yet",
-        "give the interface lacore.STICK, SMOOTH or a Tresca friction, which carry the total"
-        " stress; or put a RigidObstacle or a RigidFooting in its place",
+        text(
+            "give the interface {}, {} or {}, which carry the total stress; or put a {} or a {} in"
+            " its place",
+            terms.STICK,
+            terms.SMOOTH,
+            Term("a Tresca friction", "{ limit = ... }"),
+            terms.OBSTACLE,
+            Term("RigidFooting", "rigid footing"),
+        ),
     )

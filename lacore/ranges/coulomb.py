@@ -29,6 +29,8 @@ from lacore.problem.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
 from lacore.ranges.told import residuals, short
+from lacore.reporting import terms
+from lacore.reporting.text import text
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.solvers.compilation import SolveClock
 from lacore.status import Scope, Status
@@ -233,7 +235,7 @@ def coulomb_range(
             "problem",
             listed([group.name for group in problem.program.groups if group.frictional]),
             "flow of a soil is not associated: what it carries is looked for in other ways",
-            "take lacore.soil_range",
+            text("take {}", terms.SOIL_RANGE),
         )
     continuum = None
     if problem.scope is Scope.DISCRETE:

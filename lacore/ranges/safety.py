@@ -31,6 +31,8 @@ from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Shown, counted, listed
 from lacore.status import Rigor, Status
 
@@ -170,9 +172,11 @@ def safety_factor(
     bodies = of_kind(problem.bodies, Body)
     if not bodies:
         why = "no body deforms: what is divided is the strength of criteria, and here is none"
-        fix = (
-            "give a lacore.Body; of a frame whose loads are all reference loads the load factor is"
-            " that of its strength, and `lacore.critical` finds friction at which blocks fall"
+        fix = text(
+            "give a {}; of a frame whose loads are all reference loads the load factor is that of"
+            " its strength, and {} friction at which blocks fall",
+            terms.CONTINUUM,
+            Term("`lacore.critical` finds", "--critical finds, along a number that varies, the"),
         )
         raise InputError("Problem.bodies", list(problem.bodies), why, fix)
     for name, body in bodies.items():

@@ -26,6 +26,7 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, dimensionless
 from lacore.ranges.told import residuals, short
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers.compilation import SolveClock
 from lacore.status import Status
@@ -187,8 +188,13 @@ def soil_range(
             "problem",
             None,
             "flow of all bodies is associated, and its load factor is unique",
-            "give a soil a dilation_angle below its friction_angle; or take lacore.solve, and"
-            " lacore.coulomb_range for friction of interfaces",
+            text(
+                "give a soil a dilation_angle below its friction_angle; or {}",
+                Term(
+                    "take lacore.solve, and lacore.coulomb_range for friction of interfaces",
+                    "leave --range out",
+                ),
+            ),
         )
     check_capable(engine, program)
     scale, built = problem.natural.load_factor, time.perf_counter() - begin

@@ -84,11 +84,11 @@ class Reader:
 
     Attributes:
         units: Units of the quantities; None: those of SI, with the digits that were stated.
-        of_files: Whether names are those of problem files rather than of Python.
+        files: Whether names are those of problem files rather than of Python.
     """
 
     units: Units | None = None
-    of_files: bool = False
+    files: bool = False
 
 
 PYTHON = Reader()
@@ -101,7 +101,7 @@ class Text(str):
     """A text for Python users that keeps its parts, so that it can be rendered for others.
 
     It is made by `text` and rendered by `render`. An f-string that contains it is plain text for
-    Python users; compose texts by `text` and `joined` to keep the parts.
+    Python users; compose texts by `text` and `join` to keep the parts.
 
     Attributes:
         parts: Plain text, quantities and terms, in order.
@@ -131,7 +131,7 @@ def text(template: str, *values: object) -> Text:
     return Text(*_merged(parts))
 
 
-def joined(separator: str, texts: Iterable[str]) -> Text:
+def join(separator: str, texts: Iterable[str]) -> Text:
     """Return texts with a separator between them."""
     parts: list[Part] = []
     for own in texts:
@@ -155,7 +155,7 @@ def _rendered(part: Part, reader: Reader) -> str:
     if isinstance(part, Quantity):
         return part.rendered(reader.units)
     if isinstance(part, Term):
-        return part.file if reader.of_files else part.python
+        return part.file if reader.files else part.python
     return part
 
 

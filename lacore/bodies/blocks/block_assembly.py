@@ -35,6 +35,7 @@ from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction
 from lacore.meshes.curved import EdgeCurves
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
 
 _TOLERANCE = 1e-6  # of the mean block size
@@ -257,9 +258,10 @@ class BlockAssembly(Shown):
                 require_known(field, name, self.names)
             chosen = np.flatnonzero(np.isin(self.names, wanted)[self.edges.block])
         else:
-            raise InputError(
-                field, where, "no part of the blocks", "give a name, names, or a function of (2, n)"
+            fix = text(
+                "give a name, names, or {}", Term("a function of (2, n)", "places in numbers")
             )
+            raise InputError(field, where, "no part of the blocks", fix)
         if chosen.size == 0:
             fix = f"select at least one edge: the blocks lie in {spanned(*self.box)}"
             raise InputError(field, None, "an empty outline", fix)

@@ -13,6 +13,8 @@ from lacore.conditions.footings import Footing, RigidFooting, Twist
 from lacore.conditions.loads import Load, PointForce, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError, suggest
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 
 if TYPE_CHECKING:
     from lacore.bodies.blocks.block_assembly import BlockAssembly
@@ -93,7 +95,11 @@ def refuse_water(load: PorePressure | StandingWater) -> InputError:
         load.body,
         "rigid blocks, which have no pores, and whose edges are too long for a pressure that is"
         " linear along each",
-        "load their edges by Pressure, part by part, or by a PointForce in the centre of pressure",
+        text(
+            "load their edges by {}, part by part, or by {} in the centre of pressure",
+            terms.PRESSURE,
+            Term("a PointForce", 'load = "point-force"'),
+        ),
     )
 
 
@@ -116,7 +122,10 @@ def _volume(load: BodyForce, body: "BlockAssembly") -> Carried:
             "BodyForce.vector",
             load.told,
             "is not linear in each block",
-            "give a value for each block, or a lacore.Linear",
+            text(
+                "give {}",
+                Term("a value for each block, or a lacore.Linear", "numbers, or at and gradient"),
+            ),
         )
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     area = np.abs(u[0] * v[1] - u[1] * v[0]) / 2
@@ -149,7 +158,8 @@ def named(body: Named, where: str | tuple[str, ...] | None, field: str) -> Ints:
     if where is None:
         return np.arange(len(body.names))
     if not isinstance(where, str | Sequence):
-        raise InputError(field, where, "no names of blocks", "give a name, or a tuple of names")
+        fix = text("give a name, or a {} of names", Term("tuple", "list"))
+        raise InputError(field, where, "no names of blocks", fix)
     number = {name: index for index, name in enumerate(body.names)}
     names = (where,) if isinstance(where, str) else tuple(where)
     for place, name in enumerate(names):

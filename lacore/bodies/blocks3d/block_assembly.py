@@ -32,6 +32,8 @@ from lacore.conditions.loads import Fix, Load
 from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
 
 _TOLERANCE = 1e-6  # of the mean block size
@@ -215,7 +217,7 @@ class BlockAssembly3D(Shown):
                     own.field,
                     own.name,
                     "joints of these blocks crush, contact with what is no block of them would not",
-                    "give what they touch as a block, and hold it by a Fix",
+                    text("give what they touch as a block, and hold it by a {}", terms.SUPPORT),
                 )
             taken = np.intersect1d(own.edges, self.jointed_faces)
             if own.by_obstacle and taken.size:
@@ -297,9 +299,10 @@ class BlockAssembly3D(Shown):
                 require_known(field, name, self.names)
             chosen = np.flatnonzero(np.isin(self.names, wanted)[self.faces.block])
         else:
-            raise InputError(
-                field, where, "no part of the blocks", "give a name, names, or a function of (3, n)"
+            fix = text(
+                "give a name, names, or {}", Term("a function of (3, n)", "places in numbers")
             )
+            raise InputError(field, where, "no part of the blocks", fix)
         if chosen.size == 0:
             fix = f"select the centroid of a face: the blocks lie in {spanned(*self.box)}"
             raise InputError(field, None, "no face", fix)

@@ -29,6 +29,7 @@ from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
 from lacore.meshes.solid.checks import check_tetrahedra
 from lacore.meshes.solid.roundness import outline_of
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -114,8 +115,11 @@ class Body(Shown):
                 self.space,
                 "locks: on this mesh triangles of constant strain cannot flow at constant volume,"
                 " and load factors would be far too high",
-                "take 'p1-disc' or 'p2-vertex', or cut all quadrilaterals along both diagonals"
-                " (lacore.meshes.rectangle(crossed=True))",
+                text(
+                    "take 'p1-disc' or 'p2-vertex', or cut all quadrilaterals along both diagonals"
+                    " ({})",
+                    Term("lacore.meshes.rectangle(crossed=True)", "crossed = true"),
+                ),
             )
 
     @property

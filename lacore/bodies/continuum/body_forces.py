@@ -13,6 +13,8 @@ from lacore.bodies.continuum.regions.looking import looked_at
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import Load
 from lacore.errors import InputError, suggest_all
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact
 
 if TYPE_CHECKING:
@@ -127,9 +129,16 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
             field,
             load.told,
             "is not linear in each element: a bound would have to know all of it there",
-            "let edges of the mesh follow its jumps and bends, as lacore.meshes.layered does; take"
-            " for the force what is uniform in each element, force(mesh.p[:, mesh.t].mean(axis=1));"
-            " or take `solve`",
+            text(
+                "let edges of the mesh follow its jumps and bends, as {} does; {}or take {}",
+                terms.LAYERED,
+                Term(
+                    "take for the force what is uniform in each element,"
+                    " force(mesh.p[:, mesh.t].mean(axis=1)); ",
+                    "",
+                ),
+                terms.SOLVE,
+            ),
         )
 
 
@@ -156,8 +165,14 @@ def _carried(load: BodyForce, body: "Body", field: str) -> None:
             field,
             load.told,
             "varies within elements: lower bounds in space take forces that are uniform in each",
-            "give a value for each element, force(mesh.p[:, mesh.t].mean(axis=1)); or take"
-            " `upper_bound`, which is exact of what is linear in each",
+            text(
+                "{}",
+                Term(
+                    "give a value for each element, force(mesh.p[:, mesh.t].mean(axis=1)); or take"
+                    " `upper_bound`, which is exact of what is linear in each",
+                    "give a number, or take `lacore solve` without --bracket",
+                ),
+            ),
         )
 
 

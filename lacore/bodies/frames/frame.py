@@ -33,6 +33,7 @@ from lacore.conditions.loads import Fix, Load
 from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known, require_positive
 from lacore.meshes.curved import EdgeCurves
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Shown, counted, listed
 
 _TOLERANCE = 1e-6  # of the size: coordinates written with seven digits agree to this
@@ -182,9 +183,8 @@ class Frame(Shown):
                 require_known(field, name, self.names)
             chosen = np.flatnonzero(np.isin(self.names, wanted))
         else:
-            raise InputError(
-                field, where, "no nodes", "give a name, names, or a function of coordinates (2, n)"
-            )
+            of_place = Term("a function of coordinates (2, n)", "places in numbers")
+            raise InputError(field, where, "no nodes", text("give a name, names, or {}", of_place))
         if chosen.size == 0:
             raise InputError(field, None, "selects no node", "select at least one node")
         return chosen

@@ -8,6 +8,8 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.conditions.loads import Load, PointForce, Traction
 from lacore.errors import InputError, suggest
+from lacore.reporting import terms
+from lacore.reporting.text import text
 
 if TYPE_CHECKING:
     from lacore.bodies.frames.frame import Frame
@@ -24,7 +26,11 @@ def nodal(load: Load, body: "Frame") -> Floats:
         f"{type(load).__name__}.body",
         load.body,
         "a frame, whose members have neither width nor sides",
-        "give Traction along members (own weight: N/m per m of member), or PointForce",
+        text(
+            "give {} along members (own weight: N/m per m of member), or {}",
+            terms.TRACTION,
+            terms.POINT_FORCE,
+        ),
     )
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from lacore.errors import InputError
 from lacore.files.contents import contents
 from lacore.files.problem.places import Path, lines
-from lacore.files.problem.wording import in_words_of_files, value_of_files
+from lacore.files.problem.wording import value_of_files
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 
@@ -69,17 +69,17 @@ class Source:
             fix: How to fix it.
             units: Of the quantities in the message; None: SI.
         """
-        reader = Reader(units, of_files=True)
+        reader = Reader(units, files=True)
         there, own = self._nearest(path)
         if own is not None and not isinstance(own, dict | list):
             value = own
-        shown = value_of_files(value)
+        shown = value_of_files(render(value, reader) if isinstance(value, str) else value)
         field = written(there if there else path[:1])
         return InputError(
             f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
             None if shown == [] else shown,
-            in_words_of_files(render(reason, reader)),
-            in_words_of_files(render(fix, reader)),
+            render(reason, reader),
+            render(fix, reader),
         )
 
     def line(self, path: Path) -> int:

@@ -8,6 +8,7 @@ from lacore.arrays import Floats
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.errors import InputError
 from lacore.paths.tools.block import ToolBlock
+from lacore.reporting.text import Term, text
 
 
 def require_single(name: str, body: BlockAssembly) -> None:
@@ -17,8 +18,11 @@ def require_single(name: str, body: BlockAssembly) -> None:
             f"Problem.bodies[{name!r}]",
             f"{len(body.names)} blocks",
             "a path does not follow the joints between the blocks of one assembly",
-            "give each block as a body of its own, lacore.RigidBlock(vertices), with an"
-            " lacore.Interface for each contact",
+            text(
+                "give each block as a body of its own, {}, with an {} for each contact",
+                Term("lacore.RigidBlock(vertices)", 'kind = "block"'),
+                Term("lacore.Interface", "interface"),
+            ),
         )
 
 

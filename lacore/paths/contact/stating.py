@@ -21,6 +21,8 @@ from lacore.paths.contact.pair_stations import outlines
 from lacore.paths.contact.pairs import Pair, Side, misfit
 from lacore.paths.tools.block import ToolBlock
 from lacore.paths.tools.overlap import overlapping
+from lacore.reporting import terms
+from lacore.reporting.text import Quantity, Term, text
 
 _STRAIGHT = 1e-9  # sine between edges of one plane
 
@@ -48,7 +50,11 @@ def check_law(interface: Interface) -> None:
             "Interface.friction",
             interface.law,
             "an interface that may open and close along a path is not bonded",
-            "hold the boundary by a Fix, or bond bodies edge by edge in Problem.interfaces",
+            text(
+                "hold the boundary by a {}, or bond bodies edge by edge in {}",
+                terms.SUPPORT,
+                Term("Problem.interfaces", "interfaces"),
+            ),
         )
     if interface.law.terms().tension > 0:
         raise InputError(
@@ -63,7 +69,7 @@ def check_law(interface: Interface) -> None:
             "Interface.friction",
             interface.law,
             "sliding would lift the body off, and each other step would be without friction",
-            "take lacore.Coulomb(mu), which slides along the surface",
+            text("take {}, which slides along the surface", terms.COULOMB),
         )
 
 
@@ -90,7 +96,7 @@ def obstacle_of(
             "Interface.slave",
             name,
             "no deformable body, and along a path no other touches an obstacle",
-            f"give one of {sorted(bodies)}, or hold the rigid block by a lacore.Fix",
+            text("give one of {}, or hold the rigid block by a {}", sorted(bodies), terms.SUPPORT),
         )
     check_law(interface)
     body = bodies[name]
@@ -116,8 +122,12 @@ def obstacle_of(
         raise InputError(
             "Interface.slave",
             interface.name,
-            f"begins {-distance[worst]:.3g} m behind its obstacle",
-            "move the body or RigidObstacle.point, or turn RigidObstacle.normal around",
+            text("begins {} behind its obstacle", Quantity(-distance[worst], "m", ".3g")),
+            text(
+                "move the body or {}, or turn {} around",
+                terms.POINT_OF_PLANE,
+                terms.NORMAL_OF_PLANE,
+            ),
         )
     return found
 
@@ -138,7 +148,7 @@ def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:
             "Interface.master",
             interface.name,
             "the obstacle has the shape of a boundary that is not straight",
-            "give RigidObstacle(point=(x, y), normal=(nx, ny)), or an interface for each plane",
+            text("give {}, or an interface for each plane", terms.PLANE),
         )
     return Plane.through(start[:, 0], normal)
 

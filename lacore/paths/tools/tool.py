@@ -26,6 +26,8 @@ from lacore.materials.friction import Friction, friction_law
 from lacore.paths.control import ToolTravel
 from lacore.paths.tools.block import PART, ToolBlock
 from lacore.problem.problem import Problem
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact
 
 Side = tuple[str, Where]
@@ -169,14 +171,17 @@ def tooling(problem: Problem, tools: Mapping[str, Tool]) -> Tooling:
             f"tools[{moving[0]!r}].velocity",
             tools[moving[0]].velocity,
             "the problem has reference loads, too, and only one of them can drive the path",
-            "leave Problem.reference_loads empty; loads that stay constant are dead_loads",
+            text("leave {} empty; loads that stay constant are dead_loads", terms.REFERENCE_LOADS),
         )
     if tools and not (moving or problem.reference_loads):
         raise InputError(
             "tools",
             sorted(tools),
             "no tool moves, and there is no reference load, so nothing drives the path",
-            "give one of them a velocity, such as Tool(..., velocity=(0, -1))",
+            text(
+                "give one of them a velocity, such as {}",
+                Term("Tool(..., velocity=(0, -1))", "velocity = [0, -1]"),
+            ),
         )
     return Tooling(
         blocks={name: _block(tool, continua) for name, tool in tools.items()},
@@ -203,7 +208,9 @@ def _check(name: object, tool: object, problem: Problem, continua: Mapping[str, 
                 f"{field}.touches",
                 body,
                 "no deformable body of this name",
-                suggest(body, continua) if continua else "give the problem a lacore.Body",
+                suggest(body, continua)
+                if continua
+                else text("give the problem a {}", terms.CONTINUUM),
             )
         known = continua[body].mesh.boundaries or {}
         if isinstance(where, str) and where not in known:
@@ -219,7 +226,9 @@ def _check(name: object, tool: object, problem: Problem, continua: Mapping[str, 
                 (*tool.velocity, tool.turn),
                 f"the body {body!r} is axisymmetric, and a rigid tool around its axis moves along y"
                 " only",
-                "give velocity=(0, y) and turn=0",
+                text(
+                    "give {}", Term("velocity=(0, y) and turn=0", "velocity = [0, y] and no turn")
+                ),
             )
 
 

@@ -16,6 +16,8 @@ from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram
 from lacore.questions.parameters import size_of, times
 from lacore.questions.yield_surface.mirrors import senses
+from lacore.reporting import terms
+from lacore.reporting.text import text
 
 _FEWEST, _MOST = 2, 3
 _DEPENDENT = 1e-9  # of the largest singular value of all, each of length 1
@@ -144,8 +146,11 @@ def _check(name: str, loads: Sequence[Load]) -> None:
                 f"{field}[{index}]",
                 load.told,
                 "moves along one line, and neither turns nor gives way to another load",
-                "make the footing a lacore.RigidBlock that is bonded to the body (lacore.BOND),"
-                " with forces on it",
+                text(
+                    "make the footing a {} that is bonded to the body ({}), with forces on it",
+                    terms.RIGID_BLOCK,
+                    terms.BOND,
+                ),
             )
         if size_of(load) is None:
             raise InputError(

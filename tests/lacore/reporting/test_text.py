@@ -11,7 +11,7 @@ from lacore.reporting.text import (
     Term,
     Text,
     interval,
-    joined,
+    join,
     quantities,
     render,
     text,
@@ -27,11 +27,11 @@ def test_a_text_is_that_of_python_users():
 
 
 def test_a_text_is_rendered_for_readers_of_files_in_their_units():
-    assert render(GAP, Reader(Units(length="mm"), of_files=True)) == 'a gap of 40 mm on "stick"'
+    assert render(GAP, Reader(Units(length="mm"), files=True)) == 'a gap of 40 mm on "stick"'
 
 
 def test_texts_within_texts_keep_their_parts():
-    whole = joined("; ", [GAP, "plain", text("in {}: {}", "soil", GAP)])
+    whole = join("; ", [GAP, "plain", text("in {}: {}", "soil", GAP)])
     shown = "a gap of 4 cm on lacore.STICK"
     assert render(whole, Reader(Units(length="cm"))) == f"{shown}; plain; in soil: {shown}"
     assert [own.numbers for own in quantities(whole)] == [0.04, 0.04]

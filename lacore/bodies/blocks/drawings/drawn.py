@@ -13,6 +13,7 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.conditions.body_forces import BodyForce
 from lacore.errors import InputError, is_number, is_plane_vector, require_known, require_range
 from lacore.materials.friction import Friction, friction_law
+from lacore.reporting.text import Term, text
 from lacore.showing import Compact, Facts, Shown, counted, listed
 
 GRAVITY = 9.80665  # m/s^2, standard (CGPM 1901)
@@ -98,7 +99,11 @@ class DrawnBlocks(Shown):
             raise InputError("direction", direction, "not a direction", "give (x, y), not (0, 0)")
         heavy = {name: own for name, own in self.layers.items() if own.density > 0}
         if not heavy:
-            raise InputError("layers", None, "no layer has a density", "give Layer(density=)")
+            fix = text(
+                "give {}",
+                Term("Layer(density=)", "density, as in { friction = 0.6, density = 2400 }"),
+            )
+            raise InputError("layers", None, "no layer has a density", fix)
         x, y = direction
         return [
             BodyForce(

@@ -9,6 +9,7 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.drawings.drawn import Layer
 from lacore.errors import InputError, require_known
 from lacore.materials.friction import Friction, friction_law
+from lacore.reporting.text import Term, text
 
 LayerFriction = Mapping[tuple[str, str], float | Friction]
 """Laws of joints between two layers of a drawing, by their names."""
@@ -80,5 +81,11 @@ def _weaker(pair: tuple[str, str], layers: Mapping[str, Layer]) -> Friction:
         "joint_friction",
         None,
         f"the layers {pair[0]!r} and {pair[1]!r} meet, and neither of their laws is the weaker one",
-        f"give joint_friction={{{pair!r}: friction}}",
+        text(
+            "give {}",
+            Term(
+                f"joint_friction={{{pair!r}: friction}}",
+                f'joints: between = ["{pair[0]}", "{pair[1]}"]',
+            ),
+        ),
     )

@@ -13,6 +13,8 @@ from lacore.errors import InputError, suggest_all
 from lacore.materials.criterion import Criterion
 from lacore.materials.fields import Field, varying
 from lacore.meshes.curved import vertices
+from lacore.reporting import terms
+from lacore.reporting.text import Term, text
 from lacore.showing import counted, listed, short, spanned
 
 
@@ -59,8 +61,11 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
             fix = (
                 suggest_all(str(name), known)
                 if known
-                else "name parts by mesh.with_subdomains({name: function of coordinates}), by"
-                " lacore.meshes.layered, or by physical groups of surfaces"
+                else text(
+                    "name parts by {}{}, or by physical groups of surfaces",
+                    Term("mesh.with_subdomains({name: function of coordinates}), by ", ""),
+                    terms.LAYERED,
+                )
             )
             raise InputError(place, name, "no such region of the mesh", fix)
         require_criterion(place, own)
