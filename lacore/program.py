@@ -182,9 +182,8 @@ def family_contact(
         slip_rate: ``||u_t||``, m/s, shape (m,).
     """
     dilating = kappa * contact.coefficient
-    frozen = (1 - kappa) * contact.coefficient
     return FrozenContact(
-        bound=contact.limit + frozen * np.maximum(normal_reaction, 0.0),
+        bound=contact.limit + (1 - kappa) * contact.coefficient * np.maximum(normal_reaction, 0.0),
         dilatancy=contact.dilatancy + dilating,
         shift=contact.lead + dilating * np.maximum(slip_rate, 0.0),
     )
@@ -263,8 +262,13 @@ class KinematicProgram(Compact):
 
     @property
     def frictional(self) -> bool:
-        """Whether a group flows less than its friction would dilate (T49)."""
+        """Whether a group has non-associated flow (T49)."""
         return any(group.frictional for group in self.groups)
+
+    @property
+    def associated_flow(self) -> bool:
+        """Whether neither contact points nor groups have friction without dilation (T4)."""
+        return not (self.contact.coulomb.any() or self.frictional)
 
     def friction(self, means: tuple[Floats, ...]) -> Floats:
         """Friction of the cones of such groups at mean stresses, one after the other, Pa (T50)."""
@@ -292,15 +296,11 @@ class KinematicProgram(Compact):
 
     def hardened(self, velocity: Floats) -> "KinematicProgram":
         """The program with the stress bounds of a velocity, see `DissipationGroup.hardened`."""
-        if not self.hardens:
-            return self
-        return replace(self, groups=tuple(group.hardened(velocity) for group in self.groups))
+        groups = tuple(group.hardened(velocity) for group in self.groups)
+        return replace(self, groups=groups) if self.hardens else self
 
     def at_state(self, velocity: Floats, means: tuple[Floats, ...]) -> "KinematicProgram":
-        """The program with the stress bounds and the friction of groups that a state has.
-
-        Of a state that is optimal with its own the same is proven as with the laws.
-        """
+        """The program with the stress bounds and the friction of a state, for which it is exact."""
         return self.hardened(velocity).at_friction(self.friction(means))
 
     @property

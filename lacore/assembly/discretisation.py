@@ -75,7 +75,7 @@ class Discretisation(Shown):
         """What a load factor proves; where nothing is discretised, it bounds no continuum."""
         if self.scope is Scope.DISCRETE or rigor not in (Rigor.UPPER, Rigor.DISCRETE):
             return rigor.value
-        if not (self.full.contact.coulomb.any() or self.full.frictional):
+        if self.full.associated_flow:
             return "exact: rigid blocks and frames have no discretisation"
         if rigor is Rigor.UPPER:
             return "strict upper bound of Coulomb load factors: friction dilates, or sticks"

@@ -65,7 +65,7 @@ def certified_loop(
         program, solver, regularised, options, on_iterate, prepare, roughly, time_limit=time_limit
     )
     rows = program.contact
-    if not (rows.coulomb.any() or program.frictional):
+    if program.associated_flow:
         return run.judged(run.solve("single", frictionless_contact(rows)))
     if not program.hardens or program.frictional or roughly is None:
         return _from_associated(run)

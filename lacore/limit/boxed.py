@@ -45,8 +45,7 @@ def _beyond(state: LimitState) -> str:
     discretisation, point = state.discretisation, state.point
     if point is None or reached_supports(discretisation, point.velocity):
         return ""
-    full = discretisation.full
-    normal = state.coupling == "associated" or not (full.contact.coulomb.any() or full.frictional)
+    normal = state.coupling == "associated" or discretisation.full.associated_flow
     known = state.load_factor if normal and state.rigor is not Rigor.REGULARISED else None
     return held_back(discretisation, point.velocity, _associated, known)
 

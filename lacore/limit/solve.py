@@ -287,7 +287,7 @@ def limit_state(
     if corners:
         coupled = replace(coupled, status=Status.NOT_CERTIFIED)
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
-    bound = coupled.laws is not None or not (program.contact.coulomb.any() or program.frictional)
+    bound = coupled.laws is not None or program.associated_flow
     if bound and point is not None and certificate is not None and not regularised:
         # Of a Coulomb state the static value is reported, with which equilibrium holds.
         point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
@@ -360,8 +360,7 @@ def _rigor(
         return Rigor.NOT_CERTIFIED
     if regularised:
         return Rigor.REGULARISED
-    full = discretisation.full
-    normal = coupling in _UPPER or not (full.contact.coulomb.any() or full.frictional)
+    normal = coupling in _UPPER or discretisation.full.associated_flow
     return Rigor.UPPER if strict_bound(discretisation) and normal else Rigor.DISCRETE
 
 

@@ -44,8 +44,7 @@ def proven(state: LimitState) -> tuple[float, float]:
     it bounds the one that is stated.
     """
     exact = state.discretisation.scope is Scope.ITSELF
-    full, coupling = state.discretisation.full, state.coupling
-    normal = not (full.contact.coulomb.any() or full.frictional)
+    normal, coupling = state.discretisation.full.associated_flow, state.coupling
     if state.status is Status.LOCKED:
         locked = exact and (normal or coupling not in _STRONGER)
         return (np.inf, np.inf) if locked else (-np.inf, np.inf)

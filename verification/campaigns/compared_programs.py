@@ -197,8 +197,7 @@ def _proven(source: Source, problem: la.Problem) -> tuple[la.Discretisation, Kno
     if not _may_prove(outcome):
         return stated, None
     stated = as_solved(problem, stated, outcome.evidence)
-    friction = stated.program.frictional or bool(stated.program.contact.coulomb.any())
-    if friction and outcome.row.coupling != ASSOCIATED:
+    if not stated.program.associated_flow and outcome.row.coupling != ASSOCIATED:
         return stated, None
     known = Known(
         status=_STATES[outcome.row.status],
