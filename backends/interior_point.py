@@ -241,17 +241,7 @@ class InteriorPointSolver:
 
     def _unstressed(self, velocity: Floats, load_factor: float) -> ProgramState:
         """A velocity without any stress."""
-        program, points = self._program, self._program.contact
-        return self._moved(
-            ProgramState(
-                velocity=velocity,
-                load_factor=load_factor,
-                stress=tuple(np.zeros((g.weights.size, g.dim)) for g in program.groups),
-                mean_stress=tuple(np.zeros(g.volumetric.shape[0]) for g in program.groups),
-                normal_reaction=np.zeros(points.count),
-                tangential_reaction=np.zeros((points.count, points.tangent_dim)),
-            )
-        )
+        return self._moved(ProgramState.unstressed(self._program, velocity, load_factor))
 
     def _moved(self, state: ProgramState) -> ProgramState:
         """In the unknowns of the program."""

@@ -34,6 +34,52 @@ class ProgramState(Compact):
     normal_reaction: Floats
     tangential_reaction: Floats
 
+    @classmethod
+    def unstressed(
+        cls, program: KinematicProgram, velocity: Floats, load_factor: float
+    ) -> "ProgramState":
+        """Return a velocity of a program without stresses and reactions."""
+        rows = program.contact
+        return cls(
+            velocity=velocity,
+            load_factor=load_factor,
+            stress=tuple(np.zeros((group.weights.size, group.dim)) for group in program.groups),
+            mean_stress=tuple(np.zeros(group.volumetric.shape[0]) for group in program.groups),
+            normal_reaction=np.zeros(rows.count),
+            tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
+        )
+
+    def scaled(
+        self, stress: float, *, load_factor: float = 1.0, velocity: float = 1.0
+    ) -> "ProgramState":
+        """Return the state with stresses and reactions, load factor and velocity multiplied."""
+        return ProgramState(
+            velocity=velocity * self.velocity,
+            load_factor=load_factor * self.load_factor,
+            stress=tuple(stress * own for own in self.stress),
+            mean_stress=tuple(stress * own for own in self.mean_stress),
+            normal_reaction=stress * self.normal_reaction,
+            tangential_reaction=stress * self.tangential_reaction,
+        )
+
+    def plus(self, other: "ProgramState", factor: float) -> "ProgramState":
+        """Return the velocity with load factor, stresses and reactions of a sum of two states."""
+        sums = [
+            tuple(own + factor * added for own, added in zip(mine, theirs, strict=True))
+            for mine, theirs in (
+                (self.stress, other.stress),
+                (self.mean_stress, other.mean_stress),
+            )
+        ]
+        return ProgramState(
+            velocity=self.velocity,
+            load_factor=self.load_factor + factor * other.load_factor,
+            stress=sums[0],
+            mean_stress=sums[1],
+            normal_reaction=self.normal_reaction + factor * other.normal_reaction,
+            tangential_reaction=self.tangential_reaction + factor * other.tangential_reaction,
+        )
+
 
 def shapes(
     program: KinematicProgram, state: ProgramState

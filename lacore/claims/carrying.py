@@ -59,7 +59,8 @@ def carrying(
     dead = _weights(program)
     size = float(np.abs(dead).sum())
     if not size > 0:
-        return Carrying(_unloaded(program), None, 0.0)
+        unloaded = ProgramState.unstressed(program, np.zeros(program.n), 0.0)
+        return Carrying(replace(unloaded, normal_reaction=program.contact.pull), None, 0.0)
     shared, frozen = _shared(program, contact, size)
     with closing(prepare(shared)) as solver:
         point = checked_answer(shared, False, solver.solve(frozen)).point
@@ -67,14 +68,14 @@ def carrying(
         return Carrying(None, None, np.nan)
     static, mechanism = _static(point, size), point.velocity[:-1]
     if (share := point.load_factor) > _SOME:
-        carried = _scaled(static, 1 / share, np.zeros(program.n))
+        carried = replace(static.scaled(1 / share), velocity=np.zeros(program.n))
         seen = certify(_alone(program), carried, contact)
         residual = float(np.max([seen.equilibrium, seen.yield_violation, seen.cone]))
         if residual <= tolerance:
             return Carrying(carried, None, residual)
     driven = float(dead @ mechanism)
     if driven > _SOME * size:
-        falling = _scaled(static, 1.0, mechanism / driven)
+        falling = replace(static, velocity=mechanism / driven)
         residual = _residual_of_fall(program, contact, falling, tolerance)
         if residual <= tolerance:
             return Carrying(None, falling, residual)
@@ -126,34 +127,5 @@ def _shared(
 
 def _static(point: ProgramState, size: float) -> ProgramState:
     """Stresses and reactions of a solution, without those of its own unknown."""
-    return ProgramState(
-        velocity=point.velocity,
-        load_factor=0.0,
-        stress=tuple(size * stress for stress in point.stress[:-1]),
-        mean_stress=tuple(size * mean for mean in point.mean_stress[:-1]),
-        normal_reaction=size * point.normal_reaction,
-        tangential_reaction=size * point.tangential_reaction,
-    )
-
-
-def _scaled(static: ProgramState, factor: float, velocity: Floats) -> ProgramState:
-    return ProgramState(
-        velocity=velocity,
-        load_factor=0.0,
-        stress=tuple(factor * stress for stress in static.stress),
-        mean_stress=tuple(factor * mean for mean in static.mean_stress),
-        normal_reaction=factor * static.normal_reaction,
-        tangential_reaction=factor * static.tangential_reaction,
-    )
-
-
-def _unloaded(program: KinematicProgram) -> ProgramState:
-    rows = program.contact
-    return ProgramState(
-        velocity=np.zeros(program.n),
-        load_factor=0.0,
-        stress=tuple(np.zeros((group.weights.size, group.dim)) for group in program.groups),
-        mean_stress=tuple(np.zeros(group.volumetric.shape[0]) for group in program.groups),
-        normal_reaction=rows.pull,
-        tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
-    )
+    own = replace(point, stress=point.stress[:-1], mean_stress=point.mean_stress[:-1])
+    return replace(own.scaled(size), load_factor=0.0)

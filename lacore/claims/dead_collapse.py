@@ -90,7 +90,7 @@ def _judged(
     tolerance: float,
 ) -> DeadCollapse:
     """The collapse by a velocity, cleaned of what penetrates, with its residuals, recomputed."""
-    moving = _moving(driven, velocity)
+    moving = ProgramState.unstressed(driven, velocity, 1.0)
     if not certify(driven, moving, frozen).penetration <= tolerance:
         moving = cleaned(driven, moving, frozen)
     u, seen = moving.velocity, certify(driven, moving, frozen)
@@ -100,7 +100,7 @@ def _judged(
         carried=driven.plastic_dissipation(u) + driven.friction_dissipation(u, frozen.bound),
         felt=float(abs(program.reference_load @ u) / (load * fastest)),
         impossible=float(np.max([seen.penetration, seen.divergence])),
-        point=replace(_moving(program, u), load_factor=0.0),
+        point=ProgramState.unstressed(program, u, 0.0),
     )
 
 
@@ -199,16 +199,3 @@ def _by_lines(driven: KinematicProgram, frozen: FrozenContact) -> Floats | None:
     velocity = units.unknowns * found[:n]
     power = float(driven.reference_load @ velocity)
     return velocity / power if power > 0 else None
-
-
-def _moving(driven: KinematicProgram, velocity: Floats) -> ProgramState:
-    """A state without stresses and reactions."""
-    rows = driven.contact
-    return ProgramState(
-        velocity=velocity,
-        load_factor=1.0,
-        stress=tuple(np.zeros((group.weights.size, group.dim)) for group in driven.groups),
-        mean_stress=tuple(np.zeros(group.volumetric.shape[0]) for group in driven.groups),
-        normal_reaction=np.zeros(rows.count),
-        tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
-    )

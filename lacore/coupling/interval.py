@@ -14,7 +14,6 @@ from enum import Enum
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
 from lacore.coupling.blocks.slack import Slack
@@ -254,22 +253,11 @@ def _unbounded(face: Face, sign: float, prepare: Prepare, tolerance: float) -> E
         return None
     ray, found = face.ray(dual, sign), face.point
     reach = _FAR * kinematic_power(face.original, found)
-    far = ProgramState(
-        velocity=found.velocity,
-        load_factor=found.load_factor + sign * reach,
-        stress=_sums(found.stress, ray.stress, reach),
-        mean_stress=_sums(found.mean_stress, ray.mean_stress, reach),
-        normal_reaction=found.normal_reaction + reach * ray.normal_reaction,
-        tangential_reaction=found.tangential_reaction + reach * ray.tangential_reaction,
-    )
+    far = found.plus(ray, reach)
     certificate = certify(face.original, far)
     if not certificate.holds(tolerance):
         return None
     return End(EndStatus.UNBOUNDED, sign * np.inf, far, certificate)
-
-
-def _sums(first: tuple[Floats, ...], other: tuple[Floats, ...], share: float) -> tuple[Floats, ...]:
-    return tuple(a + share * b for a, b in zip(first, other, strict=True))
 
 
 def _solve(

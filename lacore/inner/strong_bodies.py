@@ -84,7 +84,7 @@ class StrongBodySolver:
         answer = checked_answer(program, False, answer)
         if answer.point is None:
             return answer
-        return replace(answer, point=stiff.lifted(_times(answer.point, weak)))
+        return replace(answer, point=stiff.lifted(answer.point.scaled(weak, load_factor=weak)))
 
     def close(self) -> None:
         """Close the solver of the whole program."""
@@ -104,17 +104,6 @@ def _weak(program: KinematicProgram, contact: FrozenContact) -> float:
     """Stress by which dead loads and friction limit the load, in the units of the program."""
     finite = contact.bound[np.isfinite(contact.bound)]
     return max(float(np.abs(program.dead_load).sum()), float(finite.max(initial=0.0)))
-
-
-def _times(point: ProgramState, stress: float) -> ProgramState:
-    return ProgramState(
-        velocity=point.velocity,
-        load_factor=point.load_factor * stress,
-        stress=tuple(part * stress for part in point.stress),
-        mean_stress=tuple(part * stress for part in point.mean_stress),
-        normal_reaction=point.normal_reaction * stress,
-        tangential_reaction=point.tangential_reaction * stress,
-    )
 
 
 @dataclass(frozen=True)

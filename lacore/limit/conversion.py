@@ -14,28 +14,14 @@ from lacore.state import ProgramState
 
 def in_si(scales: Scales, point: ProgramState) -> ProgramState:
     """A state of a program in SI units, with the unknowns that the program has."""
-    return ProgramState(
-        velocity=point.velocity * scales.velocity,
-        load_factor=point.load_factor * scales.load_factor,
-        stress=tuple(stress * scales.stress for stress in point.stress),
-        mean_stress=tuple(mean * scales.stress for mean in point.mean_stress),
-        normal_reaction=point.normal_reaction * scales.stress,
-        tangential_reaction=point.tangential_reaction * scales.stress,
-    )
+    load_factor, velocity = scales.load_factor, scales.velocity
+    return point.scaled(scales.stress, load_factor=load_factor, velocity=velocity)
 
 
 def ray_in_si(scales: Scales, ray: Ray, point: ProgramState) -> Ray:
     """A ray per unit of load factor or of power in SI units; its point is in SI units already."""
     unit = 1 / scales.load_factor
-    point = ProgramState(
-        velocity=unit * point.velocity,
-        load_factor=unit * point.load_factor,
-        stress=tuple(unit * stress for stress in point.stress),
-        mean_stress=tuple(unit * mean for mean in point.mean_stress),
-        normal_reaction=unit * point.normal_reaction,
-        tangential_reaction=unit * point.tangential_reaction,
-    )
-    return replace(ray, point=point)
+    return replace(ray, point=point.scaled(unit, load_factor=unit, velocity=unit))
 
 
 def point_in_si(discretisation: Discretisation, point: ProgramState) -> ProgramState:
@@ -49,11 +35,6 @@ def point_in_program(discretisation: Discretisation, point: ProgramState) -> Pro
     """The inverse of `point_in_si`, to round-off."""
     scales, basis = discretisation.natural, discretisation.free_basis
     free = spsolve(csc_matrix(basis.T @ basis), basis.T @ point.velocity)
-    return ProgramState(
-        velocity=np.atleast_1d(free) / scales.velocity,
-        load_factor=point.load_factor / scales.load_factor,
-        stress=tuple(stress / scales.stress for stress in point.stress),
-        mean_stress=tuple(mean / scales.stress for mean in point.mean_stress),
-        normal_reaction=point.normal_reaction / scales.stress,
-        tangential_reaction=point.tangential_reaction / scales.stress,
-    )
+    velocity = np.atleast_1d(free) / scales.velocity
+    own = point.scaled(1 / scales.stress, load_factor=1 / scales.load_factor)
+    return replace(own, velocity=velocity)

@@ -109,11 +109,4 @@ def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
     )
     carries = state.load_factor > _NOTHING
     factor = float((1 - _BELOW * _terms(program, state, use)) / use) if carries else 0.0
-    return replace(
-        state,
-        load_factor=factor * state.load_factor,
-        stress=tuple(factor * stress for stress in state.stress),
-        mean_stress=tuple(factor * mean for mean in state.mean_stress),
-        normal_reaction=factor * state.normal_reaction,
-        tangential_reaction=factor * state.tangential_reaction,
-    )
+    return state.scaled(factor, load_factor=factor)
