@@ -12,22 +12,19 @@ vaults, whose reactions are a continuum as a rule (T74), where all of these stal
 thousands of blocks begin with them: K- and S-steps from a place on the way need the least time.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from lacore.backend import PreparedSolver
 from lacore.coupling.blocks.central_path import by_places, central_path
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
-from lacore.coupling.fixed_point import OnIterate, fixed_point
+from lacore.coupling.fixed_point import fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
-from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
+from lacore.coupling.run import Coupled, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, mean, resumed, s_step, static_alone
 from lacore.numerics.anderson import Anderson
-from lacore.program import KinematicProgram, frictionless_contact
+from lacore.program import frictionless_contact
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -42,34 +39,21 @@ _TRIVIAL = "no reactions were found that carry a load, though the associated fri
 _LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 
 
-def certified_loop(
-    program: KinematicProgram,
-    solver: PreparedSolver,
-    regularised: bool,
-    options: CouplingOptions,
-    on_iterate: OnIterate,
-    prepare: Callable[[KinematicProgram], PreparedSolver] | None = None,
-    roughly: Callable[[KinematicProgram], PreparedSolver] | None = None,
-    near: Nearby | None = None,
-    time_limit: float = np.inf,
-) -> Coupled:
+def certified_loop(run: Run) -> Coupled:
     """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13).
 
     Where strain rates harden, S-steps take the yield stresses of the K-step before, in a program of
-    their own that `prepare` gets a solver for: two velocities would not harden alike.
+    their own that `Run.prepare` gets a solver for: two velocities would not harden alike.
 
     There no pair with the associated state would hold, and it begins with friction that is nearly
     right, of a state nearby or from rough solves (`lacore.coupling.steps.resumed`).
     """
-    run = Run(
-        program, solver, regularised, options, on_iterate, prepare, roughly, time_limit=time_limit
-    )
-    rows = program.contact
+    program = run.program
     if program.associated_flow:
-        return run.judged(run.solve("single", frictionless_contact(rows)))
-    if not program.hardens or program.frictional or roughly is None:
+        return run.judged(run.solve("single", frictionless_contact(program.contact)))
+    if not program.hardens or program.frictional or run.roughly is None:
         return _from_associated(run)
-    found = resumed(run, near or Nearby(), mean, _PATIENCE)
+    found = resumed(run, mean, _PATIENCE)
     if found is not None:
         return run.judged(found)
     # With all solves that it may take: what is certified so is certified still.

@@ -1,90 +1,38 @@
-"""Single solves that bound Coulomb load factors (T14), and the fixed-point loops (T9-T11).
+"""The fixed-point loops on Coulomb friction (T9-T11).
 
 A loop freezes the friction bounds ``mu t_n``, or the shifts ``mu ||u_t||``, or a share of both,
 solves the convex program, reads them off its answer and starts again.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.backend import PreparedSolver
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run
+from lacore.coupling.run import Coupled, Run
 from lacore.numerics.anderson import Anderson
 from lacore.program import (
-    ContactRows,
     FrozenContact,
     KinematicProgram,
     associated_contact,
     family_contact,
     frictionless_contact,
-    stick_contact,
 )
 from lacore.state import ProgramState
 from lacore.status import Status
 
-OnIterate = Callable[[Iterate], None]
-Coupling = Callable[[KinematicProgram, PreparedSolver, bool, CouplingOptions, OnIterate], Coupled]
 
-
-def _single(kind: str, freeze: Callable[[ContactRows], FrozenContact]) -> Coupling:
-    """One solve with frozen contact laws, judged by these laws."""
-
-    def coupling(
-        program: KinematicProgram,
-        solver: PreparedSolver,
-        regularised: bool,
-        options: CouplingOptions,
-        on_iterate: OnIterate,
-    ) -> Coupled:
-        run = Run(program, solver, regularised, options, on_iterate)
-        contact = freeze(program.contact)
-        return run.judged(run.solve(kind, contact, contact), contact)
-
-    return coupling
-
-
-associated = _single("associated", associated_contact)
-frictionless = _single("frictionless", frictionless_contact)
-stick = _single("stick", stick_contact)
-davis = _single("davis", associated_contact)
-
-
-def reaction_loop(
-    program: KinematicProgram,
-    solver: PreparedSolver,
-    regularised: bool,
-    options: CouplingOptions,
-    on_iterate: OnIterate,
-) -> Coupled:
+def reaction_loop(run: Run) -> Coupled:
     """Successive approximation on the normal reactions (T9), damped and accelerated."""
-    run = Run(program, solver, regularised, options, on_iterate)
     return _family_loop(run, "reaction", 0.0)
 
 
-def shift_loop(
-    program: KinematicProgram,
-    solver: PreparedSolver,
-    regularised: bool,
-    options: CouplingOptions,
-    on_iterate: OnIterate,
-) -> Coupled:
+def shift_loop(run: Run) -> Coupled:
     """Successive approximation on the slip rates (T10), damped and accelerated."""
-    run = Run(program, solver, regularised, options, on_iterate)
     return _family_loop(run, "shift", 1.0)
 
 
-def kappa_loop(
-    program: KinematicProgram,
-    solver: PreparedSolver,
-    regularised: bool,
-    options: CouplingOptions,
-    on_iterate: OnIterate,
-) -> Coupled:
+def kappa_loop(run: Run) -> Coupled:
     """Successive approximation on both (T11), damped and accelerated."""
-    run = Run(program, solver, regularised, options, on_iterate)
-    return _family_loop(run, "kappa", options.kappa)
+    return _family_loop(run, "kappa", run.options.kappa)
 
 
 def slip_rate(program: KinematicProgram, state: ProgramState) -> Floats:

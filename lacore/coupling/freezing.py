@@ -84,7 +84,12 @@ def associated(program: KinematicProgram) -> Frozen:
 
 def frictionless(program: KinematicProgram) -> Frozen:
     """Without friction beside what dilates: a lower bound of every load factor (T14, T54)."""
-    return Frozen(program.at_friction(0.0), frictionless_contact(program.contact))
+    return Frozen(without_friction(program), frictionless_contact(program.contact))
+
+
+def without_friction(program: KinematicProgram) -> KinematicProgram:
+    """Return the program without the friction of soils that exceeds their dilation."""
+    return program.at_friction(0.0)
 
 
 def davis(program: KinematicProgram) -> KinematicProgram:

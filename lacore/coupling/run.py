@@ -18,6 +18,7 @@ from lacore.arrays import Floats
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
 from lacore.claims.free_motion import without_dissipation
+from lacore.coupling.nearby import Nearby
 from lacore.errors import (
     InputError,
     is_number,
@@ -193,7 +194,8 @@ class Run:
     """The inner solves of one loop, judged as they come.
 
     `prepare` sets a solver to work on a program of its own, `roughly` one whose answers are only
-    where others begin. `time_limit` is that of an inner solve, s.
+    where others begin. `near` is the friction of a state nearby, in the units of the program.
+    `time_limit` is that of an inner solve, s.
     """
 
     program: KinematicProgram
@@ -205,6 +207,7 @@ class Run:
     roughly: Callable[[KinematicProgram], PreparedSolver] | None = None
     iterates: list[Iterate] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
+    near: Nearby = field(default_factory=Nearby)
     time_limit: float = np.inf
     _mapped: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)
 

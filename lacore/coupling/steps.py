@@ -21,7 +21,6 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.coupling.freezing import at_pressing, at_slip, friction_of, pressing
-from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Iterate, Run, paired
 from lacore.program import associated_contact, shift_contact
 from lacore.state import ProgramState
@@ -86,14 +85,15 @@ def alternate(
     return None
 
 
-def resumed(run: Run, near: Nearby, blend: Blend, patience: int) -> Iterate | None:
+def resumed(run: Run, blend: Blend, patience: int) -> Iterate | None:
     """K- and S-steps from friction nearby; None unless a pair that holds comes soon.
 
     Args:
-        run: a loop at its start.
-        near: its reactions are what the first K-step freezes; without, what rough solves find.
+        run: a loop at its start. The first K-step freezes the reactions of its `near`; without
+            them, what rough solves find.
         blend, patience: see `alternate`.
     """
+    near = run.near
     pressed = _found_roughly(run, near.slip) if near.pressed is None else near.pressed
     if pressed is None:
         return None

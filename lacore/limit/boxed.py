@@ -12,6 +12,7 @@ from typing import ParamSpec
 
 from lacore.bodies.continuum.regions.lending import lend, strengthless
 from lacore.conditions.water import PorePressure, StandingWater
+from lacore.coupling.kinds import ASSOCIATED
 from lacore.inner.preparing import JUDGE
 from lacore.limit import solve as states
 from lacore.limit.larger import held_back
@@ -45,7 +46,7 @@ def _beyond(state: LimitState) -> str:
     discretisation, point = state.discretisation, state.point
     if point is None or reached_supports(discretisation, point.velocity):
         return ""
-    normal = state.coupling == "associated" or discretisation.full.associated_flow
+    normal = state.coupling == ASSOCIATED or discretisation.full.associated_flow
     known = state.load_factor if normal and state.rigor is not Rigor.REGULARISED else None
     return held_back(discretisation, point.velocity, _associated, known)
 

@@ -5,7 +5,7 @@ unknowns of its program, and all residuals are recomputed. So anyone can plant a
 and see it refused.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Real
 
@@ -23,46 +23,12 @@ from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
 from lacore.bodies.continuum.volume import judged_means
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.certificate import Certificate, certify
-from lacore.coupling.freezing import davis
+from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, require_known
 from lacore.limit.conversion import point_in_program
 from lacore.limit.tables.contact_table import Table, column, numbers, reactions_of
-from lacore.program import (
-    ContactRows,
-    FrozenContact,
-    KinematicProgram,
-    associated_contact,
-    dimensionless,
-    frictionless_contact,
-    stick_contact,
-)
+from lacore.program import dimensionless
 from lacore.state import ProgramState, misfit
-
-_LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
-    "associated": associated_contact,
-    "frictionless": frictionless_contact,
-    "stick": stick_contact,
-    "davis": associated_contact,
-}
-"""What couplings are judged by that solve another problem; the others by the laws as stated."""
-
-
-def program_of(coupling: str, program: KinematicProgram) -> KinematicProgram:
-    """The program that a coupling answers: with the flow of its soils as it takes it.
-
-    Raises:
-        InputError: Davis's strength of a program without soils whose flow is not associated.
-    """
-    if coupling == "davis":
-        return davis(program)
-    if coupling == "frictionless":
-        return program.at_friction(0.0)
-    return program.associated() if coupling in _LAWS else program
-
-
-def laws_of(coupling: str, rows: ContactRows) -> FrozenContact | None:
-    """The contact that states of a coupling are judged by; None: the laws as they are stated."""
-    return _LAWS[coupling](rows) if coupling in _LAWS else None
 
 
 def recomputed(discretisation: Discretisation, point: ProgramState, coupling: str) -> Certificate:
@@ -70,8 +36,9 @@ def recomputed(discretisation: Discretisation, point: ProgramState, coupling: st
 
     A velocity that supports, rigid footings or rigid members forbid counts as penetration.
     """
-    program = program_of(coupling, dimensionless(discretisation.program, discretisation.natural))
-    laws = laws_of(coupling, program.contact)
+    kind = COUPLINGS[coupling]
+    program = kind.program_of(dimensionless(discretisation.program, discretisation.natural))
+    laws = kind.laws_of(program.contact)
     inside = point_in_program(discretisation, point)
     found = certify(program, inside, laws)
     scale = discretisation.natural.velocity

@@ -5,14 +5,10 @@ from typing import Any
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.backend import Backend, check_capable, find_backend, read_options
-from lacore.coupling.names import COUPLINGS
+from lacore.coupling.kinds import CERTIFIED, COUPLINGS, DEFAULT, DEFAULT_REGULARISED
 from lacore.errors import InputError, require_known
-from lacore.limit.checking import program_of
 from lacore.program import KinematicProgram, dimensionless
 from lacore.solvers.isolation import SolverProcess
-
-_ALTERNATING = ("certified", "shift", "kappa")
-"""Couplings whose states are read off programs with shifts, exactly or not at all."""
 
 
 def engine_for(
@@ -46,15 +42,15 @@ def coupling_for(backend: Backend, coupling: str | None) -> str:
         InputError: the backend is regularised, and the coupling needs exact multipliers.
     """
     if not backend.capabilities.regularised:
-        return coupling or "certified"
-    if coupling in _ALTERNATING:
+        return coupling or DEFAULT
+    if coupling is not None and COUPLINGS[coupling].needs_exact:
         raise InputError(
             "coupling",
             coupling,
             f"needs exact solves, and backend {backend.name!r} is regularised",
             "take 'reaction', of contact alone, or an exact backend such as 'clarabel'",
         )
-    return coupling or "reaction"
+    return coupling or DEFAULT_REGULARISED
 
 
 def stated(
@@ -67,9 +63,10 @@ def stated(
             numbers that are none.
         CapabilityError: the backend cannot take it.
     """
-    program = program_of(coupling, dimensionless(problem.program, problem.natural))
+    natural = dimensionless(problem.program, problem.natural)
+    program = COUPLINGS[coupling].program_of(natural)
     check_capable(engine, program)
-    if not program.frictional or coupling == "certified":
+    if not program.frictional or coupling == CERTIFIED:
         return program
     why = "iterates on contact reactions, and a soil here dilates less than its friction"
     single = "'associated' or 'davis' for a single solve"

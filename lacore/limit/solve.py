@@ -22,20 +22,9 @@ from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify
 from lacore.claims.judged import CLAIMED, judged_claim
 from lacore.coupling.bounds import kinematic_load_factor
-from lacore.coupling.certified import certified_loop
-from lacore.coupling.fixed_point import (
-    Coupling,
-    associated,
-    davis,
-    frictionless,
-    kappa_loop,
-    reaction_loop,
-    shift_loop,
-    stick,
-)
-from lacore.coupling.names import COUPLINGS
+from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate, answered_by
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, answered_by
 from lacore.errors import SolveError, typed
 from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
@@ -60,21 +49,9 @@ from lacore.solvers.compilation import SolveClock
 from lacore.solvers.isolation import SolverProcess, make_ready
 from lacore.status import Rigor, Status
 
-_LOOPS: tuple[Coupling, ...] = (
-    certified_loop,
-    reaction_loop,
-    shift_loop,
-    kappa_loop,
-    associated,
-    frictionless,
-    stick,
-    davis,
-)
-_LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
 TOLERANCE = 1e-6
 ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
 SOLVES_IN_SPACE = 300  # of the loops: domes and vaults need ten times what walls do
-_UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 
@@ -203,20 +180,20 @@ def _solved(
     make_ready(engine)
     regularised = engine.capabilities.regularised
     prepare = preparing(engine, engine_options, good_for(coupling_options.tolerance))
-    couple = _LOOP_OF[coupling]
-    if couple is certified_loop:
-        loose = rough(engine, engine_options)
-        couple = partial(
-            certified_loop,
-            prepare=prepare,
+    loose = rough(engine, engine_options)
+    with closing(prepare(program.associated())) as solver:
+        run = Run(
+            program,
+            solver,
+            regularised,
+            coupling_options,
+            on_iterate or (lambda _: None),
+            prepare,
             roughly=lambda own: engine.prepare(own, loose),
             near=near,
             time_limit=engine_options.time_limit,
         )
-    with closing(prepare(program.associated())) as solver:
-        coupled = couple(
-            program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
-        )
+        coupled = COUPLINGS[coupling].run(run)
     tolerance, ray = coupled.tolerance, None
     if coupled.status in CLAIMED:
         judge = find_backend(JUDGE) if regularised else engine
@@ -360,7 +337,7 @@ def _rigor(
         return Rigor.NOT_CERTIFIED
     if regularised:
         return Rigor.REGULARISED
-    normal = coupling in _UPPER or discretisation.full.associated_flow
+    normal = COUPLINGS[coupling].bounds == "upper" or discretisation.full.associated_flow
     return Rigor.UPPER if strict_bound(discretisation) and normal else Rigor.DISCRETE
 
 

@@ -22,10 +22,10 @@ from lacore.backend import checked_answer, find_backend, read_options
 from lacore.certificate import certify
 from lacore.claims.carrying import carrying
 from lacore.coupling.interval import Prepare
+from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.run import Coupled
 from lacore.inner.preparing import JUDGE, preparing
 from lacore.limit import cells
-from lacore.limit.checking import laws_of, program_of
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
@@ -142,9 +142,10 @@ def stability_of(
     if engine.capabilities.regularised:
         engine, options, load_factor = find_backend(JUDGE), {}, np.nan
     stated = dimensionless(discretisation.program, discretisation.natural)
-    program = program_of(coupling, stated).associated()  # what is carried asks for no flow
+    kind = COUPLINGS[coupling]
+    program = kind.program_of(stated).associated()  # what is carried asks for no flow
     rows, scale = program.contact, discretisation.natural.load_factor
-    laws = laws_of(coupling, rows) or associated_contact(rows)
+    laws = kind.laws_of(rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
     prepare = preparing(engine, read_options(engine, options))
     found = carrying(program, laws, prepare, tolerance)

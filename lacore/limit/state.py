@@ -22,8 +22,9 @@ from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
 from lacore.claims.judged import Ray
 from lacore.coupling.interval import Interval
+from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import typed
-from lacore.limit.checking import checked, program_of
+from lacore.limit.checking import checked
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
 from lacore.limit.tables.contact_table import Table, contact_table
@@ -111,7 +112,7 @@ class LimitState(Shown):
         of other couplings the strengths that they take.
         """
         point = self._point()
-        program = program_of(self.coupling, self.discretisation.full)
+        program = COUPLINGS[self.coupling].program_of(self.discretisation.full)
         return program.at_state(point.velocity, point.mean_stress)
 
     @property

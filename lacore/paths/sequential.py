@@ -10,6 +10,7 @@ from os import PathLike
 from typing import Any
 
 from lacore.contact.interfaces import Interface
+from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
@@ -142,7 +143,7 @@ def sequential(
         require_positive("tolerance", tolerance)
     engine, _, _ = engine_for(backend, coupling, options or {})
     require_selection(selection, engine)
-    if coupling in ("associated", "davis"):
+    if coupling is not None and COUPLINGS[coupling].dilates:
         raise InputError(
             "coupling",
             coupling,

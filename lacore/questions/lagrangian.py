@@ -10,8 +10,8 @@ from scipy.sparse.linalg import lsqr
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
+from lacore.coupling.kinds import COUPLINGS
 from lacore.dissipation import DissipationGroup
-from lacore.limit.checking import laws_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact
@@ -82,7 +82,7 @@ def _load_factor(solution: Frozen, problem: Problem) -> float:
             left = np.sum(flow * (surfaces.strength - surfaces.use(size, mean)), axis=1)
         total += float(group.weights @ left)
     rows = program.contact
-    laws = laws_of(solution.coupling, rows) or associated_contact(rows)
+    laws = COUPLINGS[solution.coupling].laws_of(rows) or associated_contact(rows)
     t_n, t_t = point.normal_reaction, point.tangential_reaction
     total -= float((rows.weights * t_n) @ rows.opening(u))
     total -= float(np.sum(rows.weights[:, None] * t_t * rows.slip(u)))

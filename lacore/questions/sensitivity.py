@@ -13,8 +13,8 @@ import pandas as pd
 
 from lacore import views
 from lacore.arrays import Floats
+from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from lacore.errors import InputError, is_number, typed
-from lacore.limit.checking import laws_of
 from lacore.limit.solve import TOLERANCE, solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -153,7 +153,7 @@ def sensitivity(
     tell = on_parameter or (lambda name: None)
     asked = _Asked(state, {"backend": state.backend, "coupling": state.coupling})
     flows = state.discretisation.program
-    coulomb = laws_of(state.coupling, flows.contact) is None and flows.contact.coulomb.any()
+    coulomb = not COUPLINGS[state.coupling].laws and flows.contact.coulomb.any()
     if flows.frictional or coulomb:
         _require_one(state)
         rows = []
@@ -354,7 +354,7 @@ def _check(state: LimitState) -> None:
             "is regularised: its multipliers are those of another problem",
             "solve it with an exact backend, such as 'clarabel'",
         )
-    if state.coupling in ("frictionless", "stick", "davis"):
+    if COUPLINGS[state.coupling].model not in ("", ASSOCIATED):
         raise InputError(
             "state.coupling",
             state.coupling,

@@ -2,13 +2,12 @@
 
 import numpy as np
 
+from lacore.coupling.kinds import COUPLINGS
 from lacore.limit.hinging import excess
 from lacore.limit.solve import strict_bound
 from lacore.limit.state import LimitState
 from lacore.status import Rigor, Scope, Status
 
-_STRONGER = ("associated", "stick", "davis")  # what these lock friction as stated may not
-_WEAKER = ("frictionless", "davis")  # what falls of these may stand
 _PROVEN = {Status.LOCKED: np.inf, Status.UNSAFE: -np.inf, Status.FREE: 0.0}
 
 
@@ -44,12 +43,12 @@ def proven(state: LimitState) -> tuple[float, float]:
     it bounds the one that is stated.
     """
     exact = state.discretisation.scope is Scope.ITSELF
-    normal, coupling = state.discretisation.full.associated_flow, state.coupling
+    normal, kind = state.discretisation.full.associated_flow, COUPLINGS[state.coupling]
     if state.status is Status.LOCKED:
-        locked = exact and (normal or coupling not in _STRONGER)
+        locked = exact and (normal or not kind.may_be_stronger)
         return (np.inf, np.inf) if locked else (-np.inf, np.inf)
     if state.status is Status.UNSAFE:
-        falls = strict_bound(state.discretisation) and (normal or coupling not in _WEAKER)
+        falls = strict_bound(state.discretisation) and (normal or not kind.may_be_weaker)
         return -np.inf, -np.inf if falls else np.inf
     if exact and state.bracket is not None:
         return state.bracket

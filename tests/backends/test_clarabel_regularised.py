@@ -17,7 +17,7 @@ from backends.newton import Newton
 from lacore.backend import find_backend
 from lacore.certificate import certify
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions
+from lacore.coupling.run import CouplingOptions, Run
 from lacore.program import DissipationGroup, associated_contact, dimensionless
 from lacore.regularization import Penalties, evaluate
 from lacore.status import Status
@@ -225,7 +225,7 @@ def test_a_wrong_multiplier_is_refused(name, factor, status):
     stated = dimensionless(d.program, d.natural)
     backend = find_backend(name)
     solver = Planted(backend.prepare(stated, backend.Options(r=0.1)), factor)
-    coupled = reaction_loop(stated, solver, True, CouplingOptions(), lambda iterate: None)
+    coupled = reaction_loop(Run(stated, solver, True, CouplingOptions(), lambda iterate: None))
     assert coupled.final.inner.status is Status.SOLVED
     assert coupled.status is Status[status]
 

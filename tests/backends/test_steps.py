@@ -11,7 +11,7 @@ from lacore.backend import check_capable, find_backend, load_backend
 from lacore.certificate import certify
 from lacore.coupling.certified import certified_loop
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions
+from lacore.coupling.run import CouplingOptions, Run
 from lacore.program import dimensionless, reaction_contact
 from lacore.regularization import evaluate, penalties
 from lacore.status import Status
@@ -230,7 +230,7 @@ def looped(loop, name, **options):
     backend = find_backend(name)
     solver = backend.prepare(given, backend.Options(**options))
     regularised = backend.capabilities.regularised
-    return loop(given, solver, regularised, CouplingOptions(), lambda _: None)
+    return loop(Run(given, solver, regularised, CouplingOptions(), lambda _: None))
 
 
 @cache

@@ -6,7 +6,7 @@ import pytest
 
 import lacore as la
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions
+from lacore.coupling.run import CouplingOptions, Run
 from lacore.program import dimensionless
 from tests.benchmarks.measuring import Clocked
 from verification.catalogue.catalogue import find
@@ -28,7 +28,9 @@ def test_loop(benchmark, one_thread, name):
     backend = la.find_backend("clarabel")
     solver = Clocked(backend).prepare(program, backend.Options())
     coupled = benchmark.pedantic(
-        reaction_loop, args=(program, solver, False, CouplingOptions(), lambda _: None), rounds=1
+        reaction_loop,
+        args=(Run(program, solver, False, CouplingOptions(), lambda _: None),),
+        rounds=1,
     )
     total = benchmark.stats.stats.min
     inside = sum(iterate.inner.solve_time for iterate in coupled.iterates)

@@ -3,10 +3,11 @@
 import numpy as np
 import pandas as pd
 
+from lacore.coupling.kinds import COUPLINGS
 from verification.analysis.columns import SOLVED, numbers, problem_columns, says
 from verification.analysis.extrapolation import lambda_limits
 
-OF_THEIR_OWN = ("associated", "stick", "frictionless", "davis")
+OF_THEIR_OWN = tuple(name for name, kind in COUPLINGS.items() if kind.model)
 """Couplings that solve another problem than Coulomb's: each has an alpha* of its own."""
 EXTRAPOLATED = "extrapolated"
 _LAWS = "laws"

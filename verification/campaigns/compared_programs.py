@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import lacore as la
+from lacore.coupling.kinds import ASSOCIATED
 from lacore.errors import InputError
 from verification.campaigns.instances import (
     CLOSE,
@@ -30,7 +31,6 @@ from verification.runs.commands import INSTANCES, commands_of
 from verification.runs.outcome import Outcome
 from verification.store.manifest import replace_files
 from verification.store.provenance import code_of
-from verification.verdicts.limit_state import ASSOCIATED
 
 ENDING = "npz"
 """Format of the files."""

@@ -5,7 +5,7 @@ from contextlib import suppress
 
 import lacore as la
 from lacore.backend import Capabilities, load_backend
-from lacore.coupling.names import COUPLINGS
+from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from lacore.errors import require_known
 from lacore.limit.engines import coupling_for
 from lacore.solvers.registry import fault_of
@@ -15,7 +15,6 @@ from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.defaults import RAW
 from verification.runs.run import Run
-from verification.verdicts.limit_state import ASSOCIATED
 
 
 def plan(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.coupling.names import COUPLINGS
+from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lacore.coupling.names import COUPLINGS
+from lacore.coupling.kinds import COUPLINGS
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,

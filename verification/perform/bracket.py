@@ -11,6 +11,7 @@ from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import continua, mesh_of, with_kept_water
 from lacore.arrays import Floats
 from lacore.bounds.enclosing import associated, has_coulomb
+from lacore.coupling.kinds import ASSOCIATED
 from lacore.solvers.compilation import SolveClock
 from verification.case.bracketing import Bracketing
 from verification.evidence.bracket import Shares, packed_shares
@@ -21,7 +22,6 @@ from verification.runs.row import Row
 from verification.runs.run import Run
 from verification.verdicts.allowed import about
 from verification.verdicts.bracket import STRICT, between, judge_bracket
-from verification.verdicts.limit_state import ASSOCIATED
 
 _LIMIT = 600.0  # s, where none is given
 _PART = 0.8  # of the time limit; what follows the bracket takes the rest

@@ -9,7 +9,7 @@ from typing import Any
 
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
-from lacore.coupling.names import COUPLINGS
+from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, is_number, require_known, require_width
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied, read_varied

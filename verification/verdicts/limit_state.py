@@ -7,6 +7,7 @@ from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Protocol
 
 import lacore as la
+from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from verification.case import Band, Reference
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
@@ -27,19 +28,12 @@ REGULARISED = ("equilibrium", "yield_violation", "normalisation")
 """What a regularised state is judged by: penalties let through the rest (T19)."""
 REFUTED = 1e-3
 """Of these: who called an end with more than this solved was wrong, not short of digits."""
-BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
+_VALUES = {"upper": upper_values, "lower": lower_values}
+BOUNDS = {name: _VALUES[kind.bounds] for name, kind in COUPLINGS.items() if kind.bounds}
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
-APART = "davis"
-"""The coupling that answers another problem and bounds nothing (T55)."""
-ASSOCIATED = "associated"
-MODELS = {
-    "associated": ASSOCIATED,
-    "stick": "no slip",
-    "frictionless": "no friction",
-    APART: "Davis's strength",
-}
+MODELS = {name: kind.model for name, kind in COUPLINGS.items() if kind.model}
 """Names of the models that couplings solve in place of that of the case."""
-FINDS_NONE = (*BOUNDS, APART, BRACKET, RANGE)
+FINDS_NONE = (*MODELS, BRACKET, RANGE)
 """What stands for a coupling in rows that have no Coulomb load factor."""
 _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
 """What statuses say of the load factor: they are claims, right or wrong, like a number."""
@@ -84,10 +78,10 @@ def judge(
     if reference.unknown:
         why = f"{state.status.label}: proven by its certificate, nothing to compare with"
         return NO_REFERENCE, why
-    if state.coupling == APART:
+    if state.coupling in MODELS and state.coupling not in BOUNDS:
         return NO_REFERENCE, "with Davis's reduced strength, which bounds nothing (T55)"
     allowed_of = BOUNDS.get(state.coupling, allowed_values)
-    if state.coupling == "associated" and reference.associated is not None:
+    if state.coupling == ASSOCIATED and reference.associated is not None:
         reference, allowed_of = reference.of_associated(), allowed_values
     found_only = {state.status, reference.status} - {la.Status.SOLVED}
     if allowed_of is allowed_values and found_only:

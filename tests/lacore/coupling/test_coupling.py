@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import lacore as la
 from lacore.backend import InnerSolution
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions
+from lacore.coupling.run import CouplingOptions, Run
 from lacore.numerics.anderson import Anderson
 from lacore.status import Status
 from tests.lacore.models import cantilever, deformable_block, obstacle, square
@@ -128,7 +128,7 @@ class Scripted:
 def test_statuses_of_the_start(start, answers, status, kinds):
     solver = Scripted(*answers)
     program = random_program(0)
-    end = reaction_loop(program, solver, False, CouplingOptions(start), lambda _: None)
+    end = reaction_loop(Run(program, solver, False, CouplingOptions(start), lambda _: None))
     assert end.status is status
     assert [iterate.kind for iterate in end.iterates] == kinds
     for kind, contact in zip(kinds, solver.asked, strict=True):
