@@ -5,7 +5,8 @@ plasticity cone, one tau a friction cone. Rows are multiplied by their integrati
 costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t. Where
 strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39), a
 modulus beside surfaces a quadratic cost of the velocity, and rows of small points are in units of
-their own (`backends._surface_rows`).
+their own (`backends._surface_rows`). So are rows of contact points that stand for much less length
+than others, where a program hardens: along a path sides overlap by short parts of their edges.
 
 A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``: on
 walls of rigid blocks a fifth faster than its cone. With ``|v| <= t`` it is the other way round: as
@@ -32,6 +33,7 @@ from lacore.state import ProgramState
 
 _GENTLE = 0.08  # slope of a surface: friction of 5 degrees
 _TIED = 2.0  # unknowns per point: programs of stresses have more, and stall at other units
+_SHORT = 0.25  # of the median weight of contact points: rows of shorter ones are scaled up to it
 _SPEED = 10.0  # velocities of soil for 1 of the program: with it rows of points are near 1
 
 
@@ -161,13 +163,17 @@ class ConicForm:
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         self._dilatant = contact.dilatancy > 0
+        self._gain = np.ones(points.count)
+        if self.hardens and penalty is None:
+            self._gain = _gains(points.weights)
+        lengths = points.weights * self._gain
 
         def slip(mask: Bools) -> _Law:
             rows = points.tangential[np.repeat(mask, dim)]
-            return _Law(rows, dim, points.weights[mask], stiff.tangential)
+            return _Law(rows, dim, lengths[mask], stiff.tangential)
 
         def opening(mask: Bools) -> _Law:
-            return _Law(points.normal[mask], 1, points.weights[mask], stiff.normal)
+            return _Law(points.normal[mask], 1, lengths[mask], stiff.normal)
 
         self._units = [
             point_units(g) if penalty is None else np.ones(g.weights.size) for g in program.groups
@@ -271,14 +277,15 @@ class ConicForm:
             else (group.surfaces.strength * unit[:, None]).ravel()
             for group, unit in zip(self._program.groups, self._units, strict=True)
         ]
-        given = [-self._program.dead_load, *bounds, contact.bound[self._pattern.friction]]
+        rubbing = (contact.bound / self._gain)[self._pattern.friction]
+        given = [-self._program.dead_load, *bounds, rubbing]
         q = np.zeros(self.matrix.shape[1])
         np.concatenate(given, out=q[: sum(part.size for part in given)])
         return q
 
     def offset(self, contact: FrozenContact) -> Floats:
         """b: ``F0.U = 1``, dilations, and the shifts of the contact rows."""
-        shift = self._program.contact.weights * contact.shift
+        shift = self._program.contact.weights * self._gain * contact.shift
         b = np.zeros(self.matrix.shape[0])
         b[0] = POWER
         volumes = np.split(b, self._ends)[1:]
@@ -307,6 +314,7 @@ class ConicForm:
         tangential[dilatant] = contact.dilatancy[dilatant, None] * pressed[:, 1:]
         tangential[pattern.stick] -= stick.reshape(-1, dim)
         tangential[pattern.friction] += rubbed[:, 1:]
+        normal, tangential = normal * self._gain, tangential * self._gain[:, None]
         stresses, mean_stresses = [], []
         of_groups = (self._volumes, self._units, means, strains)
         for group, own, unit, mean, strain in zip(program.groups, *of_groups, strict=True):
@@ -333,6 +341,15 @@ class ConicForm:
         own = np.flatnonzero(curvature)
         rest = (self.matrix.T @ z + self.cost(contact))[own]
         return float(np.sum(rest**2 / curvature[own])) / 2
+
+
+def _gains(weights: Floats) -> Floats:
+    """Factors of the rows of contact points, 1 of those that are not short, shape (m,).
+
+    A row that is small beside the regularisation of a solver keeps its residual: points of a
+    fiftieth of the length of others penetrate by 1e-6 of the largest velocity.
+    """
+    return np.maximum(1.0, _SHORT * np.median(weights) / weights) if weights.size else weights
 
 
 def _placed(rows: Sparse, columns: int, first: int) -> Sparse:

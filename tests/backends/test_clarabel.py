@@ -14,7 +14,15 @@ from backends import clarabel_socp
 from backends._conic_form import ConicForm, Pattern
 from lacore.backend import find_backend
 from lacore.certificate import certify
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.paths.flow import Moment, limit_problem
+from lacore.paths.stage import staged
+from lacore.program import (
+    ContactRows,
+    DissipationGroup,
+    FrozenContact,
+    KinematicProgram,
+    reaction_contact,
+)
 from lacore.regularization import Penalties
 from lacore.status import Status
 from tests.backends.hand_made import CONIC, LINEAR, check_answer, random_linear_program
@@ -450,3 +458,33 @@ def test_points_of_soil_may_be_of_any_size(known, dilation):
     assert certificate.equilibrium < BAR
     if known.program.groups[0].modulus is None:  # which raises strengths
         assert certificate.yield_violation < BAR
+
+
+def step_of_two_blocks():
+    """The first limit problem of the path of a block that is pressed on another one."""
+    steel = la.VonMises(hardening=la.hardening.Linear(1.0, 1.0))
+    bodies = {
+        name: la.Body(la.meshes.rectangle((0, 1), y, 4, 2), steel, space="p2-gauss")
+        for name, y in (("lower", (0, 0.5)), ("upper", (0.5, 1)))
+    }
+    problem = la.Problem(
+        bodies,
+        [la.RigidFooting("lower", "bottom", (0, 1), rough=False)],
+        [*(la.Fix(name, "left", "x") for name in bodies), la.Fix("upper", "top", "xy")],
+        [la.Interface(("lower", "top"), ("upper", "bottom"), 0.2)],
+    )
+    stage = staged(problem, ())
+    return limit_problem(stage, Moment(stage.start, stage.start, 0.01, 0.5)).program
+
+
+@pytest.mark.parametrize("place", [0, 4, 7, 8])
+def test_short_contact_points_of_a_path_need_no_more_iterations(place):
+    """Where sides overlap by a thousandth of an edge (before: 27 to 32 iterations)."""
+    stated = step_of_two_blocks()
+    weights = stated.contact.weights.copy()
+    weights[place] *= 1e-3
+    short = replace(stated, contact=replace(stated.contact, weights=weights))
+    held = reaction_contact(short.contact, np.full(weights.size, 2.0))
+    even, answer = solve(stated, held), solve(short, held)
+    assert answer.iterations <= even.iterations + 6
+    assert certify(short, answer.point, held).worst[1] < 1e-8
