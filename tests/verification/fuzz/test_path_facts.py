@@ -7,6 +7,7 @@ import pytest
 
 import lacore as la
 from verification.campaigns.shrinking import candidates
+from verification.fuzz.checks.path_copies import same_load
 from verification.fuzz.checks.path_facts import check_facts, exact_force
 from verification.fuzz.checks.verdict import first
 from verification.fuzz.drawn.classes import draw
@@ -83,6 +84,22 @@ def test_what_has_a_fact_is_cut_in_its_meshes_alone():
     assert cut
     assert all(own["interfaces"] == recipe["interfaces"] for own in cut)
     assert all(exact_force(own, 0.01) == exact_force(recipe, 0.01) for own in cut)
+
+
+@pytest.mark.parametrize(
+    ("fact", "name"), [("platens", "turned"), ("sled", "mirrored"), ("sled", "reordered")]
+)
+def test_a_copy_has_the_load_of_the_same_bodies(fact, name):
+    copy = follow(COPIES[name](recipe_with(fact), np.random.default_rng(1)))
+    assert first(same_load(name, path_with(fact), copy)) is None
+
+
+def test_a_copy_with_other_friction_is_found():
+    recipe = COPIES["mirrored"](recipe_with("sled"), np.random.default_rng(1))
+    recipe["interfaces"][0]["friction"] *= 0.999
+    found = first(same_load("mirrored", path_with("sled"), follow(recipe)))
+    assert found is not None
+    assert found.check == "mirrored, load on the same bodies"
 
 
 def test_a_turned_path_has_turned_tools():
