@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Bools, Ints, Sparse
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.blocks3d.dofs import AnyRigidDofs, RigidDofs3D
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps
 from lacore.bodies.continuum.slip import Slip
@@ -55,9 +57,9 @@ class Discretisation(Shown):
     free_basis: Sparse
     held_nodes: Bools
     continua: Mapping[str, BodyDofs]
-    assemblies: Mapping[str, RigidDofs]
+    assemblies: Mapping[str, RigidDofs[BlockAssembly]]
     frames: Mapping[str, FrameDofs]
-    solids: Mapping[str, RigidDofs3D]
+    solids: Mapping[str, RigidDofs[BlockAssembly3D]]
     jumps: Mapping[str, Jumps]
     slips: Mapping[str, Slip]
     seams: Mapping[str, Jumps]
@@ -82,13 +84,13 @@ class Discretisation(Shown):
         return "certified Coulomb state: not a bound, because others may exist"
 
     @property
-    def jointed(self) -> dict[str, AnyRigidDofs]:
+    def jointed(self) -> dict[str, RigidDofs[RigidBlocks]]:
         """Rigid blocks, in the plane or in space."""
         return {**self.assemblies, **self.solids}
 
     @property
     def crushing(self) -> Ints:
-        """Unknowns of points that crush, see `RigidDofs3D`; none of them touches two points."""
+        """Unknowns of points that crush, see `RigidDofs`; none of them touches two points."""
         own = [dofs.crushing for dofs in self.solids.values()]
         return np.concatenate([np.zeros(0, dtype=np.int64), *own])
 

@@ -8,7 +8,6 @@ from scipy.sparse import csr_matrix, diags_array
 
 from lacore.arrays import Floats, Sparse
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.blocks3d.crushing import crushing_of
 from lacore.bodies.continuum.regions.gathering import by_body, region_count
 from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError
@@ -55,10 +54,10 @@ def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats
     """
     unit = np.ones(basis.shape[0])
     for dofs in unknowns.solids.values():
-        law, across = crushing_of(dofs.body.crushing), cbrt(dofs.extent)
-        if law is not None and np.any(dead_load):
+        points, across = dofs.body.crushing_points, cbrt(dofs.extent)
+        if points is not None and np.any(dead_load):
             pressed = fsum(np.abs(dead_load)) / across**2
-            unit[dofs.crushing] = min(1.0, pressed / law.strength)
+            unit[dofs.crushing] = min(1.0, pressed / points.strength)
     return csr_matrix(diags_array(unit) @ basis)
 
 

@@ -10,14 +10,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.blocks3d.dofs import AnyRigidDofs
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.contact.rows import ContactPoints
 from lacore.program import ContactRows
 
 _DIGITS = 9  # of places per size, and of normals: above round-off
 
 
-def column_order(basis: Sparse, assemblies: Mapping[str, AnyRigidDofs]) -> Ints:
+def column_order(basis: Sparse, assemblies: Mapping[str, RigidDofs[RigidBlocks]]) -> Ints:
     """Columns of the free unknowns: those of blocks by the places of centroids, shape (n_free,)."""
     by_column = basis.tocsc()
     row = by_column.indices[by_column.indptr[:-1]].astype(np.int64)
@@ -32,7 +33,7 @@ def column_order(basis: Sparse, assemblies: Mapping[str, AnyRigidDofs]) -> Ints:
 def point_order(
     contact: ContactRows,
     points: ContactPoints,
-    assemblies: Mapping[str, AnyRigidDofs],
+    assemblies: Mapping[str, RigidDofs[RigidBlocks]],
     interfaces: int,
 ) -> Ints:
     """Contact points: those of joints by their places, whichever block is the slave, shape (m,)."""

@@ -15,8 +15,8 @@ from lacore.assembly.loading import count_speeds, numbered_speeds
 from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.blocks3d.dofs import AnyRigidDofs, RigidDofs3D
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.frames.dofs import FrameDofs
@@ -36,9 +36,9 @@ class Unknowns:
     """
 
     continua: Mapping[str, BodyDofs]
-    assemblies: Mapping[str, RigidDofs]
+    assemblies: Mapping[str, RigidDofs[BlockAssembly]]
     frames: Mapping[str, FrameDofs]
-    solids: Mapping[str, RigidDofs3D]
+    solids: Mapping[str, RigidDofs[BlockAssembly3D]]
     footings: Mapping[Footing, int]
     n: int
 
@@ -53,7 +53,7 @@ class Unknowns:
         n += sum(own.count for own in assemblies.values())
         frames = numbered(of_kind(problem.bodies, Frame), FrameDofs, n)
         n += sum(own.count for own in frames.values())
-        solids = numbered(of_kind(problem.bodies, BlockAssembly3D), RigidDofs3D, n)
+        solids = numbered(of_kind(problem.bodies, BlockAssembly3D), RigidDofs, n)
         n += sum(own.count for own in solids.values())
         return cls(continua, assemblies, frames, solids, footings, n)
 
@@ -74,7 +74,7 @@ class Unknowns:
         return {**self.assemblies, **self.frames, **self.solids}
 
     @cached_property
-    def jointed(self) -> dict[str, AnyRigidDofs]:
+    def jointed(self) -> dict[str, RigidDofs[RigidBlocks]]:
         """Blocks, with joints of their own."""
         return {**self.assemblies, **self.solids}
 

@@ -102,7 +102,7 @@ class Dofs(Protocol):
     """The unknowns of a body among all, and what they do."""
 
     @property
-    def body(self) -> AnyBody:
+    def body(self) -> Stated:
         """Whose they are."""
         ...
 
@@ -191,9 +191,9 @@ KINDS: tuple[type[Stated], ...] = (*PLANE, BlockAssembly3D)
 """All kinds, in the order of their unknowns: type checkers find here what one lacks."""
 
 
-def plane(body: AnyBody) -> PlaneBody:
+def plane(body: Stated) -> StatedInPlane:
     """A body of a problem of the plane."""
-    assert not isinstance(body, BlockAssembly3D)
+    assert isinstance(body, PLANE)
     return body
 
 

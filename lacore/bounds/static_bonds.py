@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import selected, traction_station
@@ -72,7 +73,7 @@ def static_bonds(
     interfaces: Sequence[Interface],
     segments: Sequence[Segments],
     bodies: Mapping[str, EquilibriumDofs],
-    rigid: Mapping[str, RigidDofs],
+    rigid: Mapping[str, RigidDofs[BlockAssembly]],
     asked: NodeConditions,
     n: int,
 ) -> StaticBonds:

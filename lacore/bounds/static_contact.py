@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
@@ -31,7 +32,7 @@ def traction_rows(
     interfaces: Sequence[Interface],
     segments: Sequence[Segments],
     bodies: Mapping[str, EquilibriumDofs],
-    rigid: Mapping[str, RigidDofs],
+    rigid: Mapping[str, RigidDofs[BlockAssembly]],
     n: int,
 ) -> tuple[ContactRows, ContactPoints]:
     """Tractions at the ends of facets: linear between, they obey the convex law there too."""
@@ -51,7 +52,7 @@ def traction_station(
     segments: Segments,
     index: int,
     bodies: Mapping[str, EquilibriumDofs],
-    rigid: Mapping[str, RigidDofs],
+    rigid: Mapping[str, RigidDofs[BlockAssembly]],
     n: int,
 ) -> Station:
     """Two points a facet of the deformable side, of the slave where both are."""
@@ -152,7 +153,7 @@ class _Parts:
     def _last(self) -> Ints:
         return np.append(self.first[1:], self.facet.size) - 1
 
-    def means(self, dofs: RigidDofs, blocks: Ints, n: int) -> tuple[Sparse, Sparse]:
+    def means(self, dofs: RigidDofs[BlockAssembly], blocks: Ints, n: int) -> tuple[Sparse, Sparse]:
         """Rows of ``2/L int N_i u ds`` of blocks over the facets, first the starts: (2 f, n).
 
         What does the power of a traction that is linear along the facet on rigid motions: so what

@@ -74,7 +74,7 @@ class StaticModel(Shown):
     full: KinematicProgram
     program: KinematicProgram
     continua: Mapping[str, EquilibriumDofs]
-    assemblies: Mapping[str, RigidDofs]
+    assemblies: Mapping[str, RigidDofs[BlockAssembly]]
     points: ContactPoints
     bonds: StaticBonds
     natural: Scales
@@ -135,7 +135,7 @@ def static_model(problem: Problem) -> StaticModel:
     after = first + count_speeds(footings)
     assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, after)
     n = after + sum(own.count for own in assemblies.values())
-    dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
+    dofs: dict[str, EquilibriumDofs | RigidDofs[BlockAssembly]] = {**bodies, **assemblies}
     plane = {} if solid else bodies  # in space body forces are uniform in each element
     bulging = Bulging.of(problem, plane)
     if solid:
@@ -196,7 +196,7 @@ def _in_plane(
     problem: Problem,
     bodies: Mapping[str, EquilibriumDofs],
     footings: Mapping[Footing, int],
-    assemblies: Mapping[str, RigidDofs],
+    assemblies: Mapping[str, RigidDofs[BlockAssembly]],
     n: int,
 ) -> tuple[StaticBonds, Sparse]:
     """What bonds make one, and all multipliers from the free ones."""

@@ -20,7 +20,8 @@ from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.any_body import Dofs
-from lacore.bodies.blocks3d.dofs import AnyRigidDofs
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import control_values
 from lacore.bodies.continuum.solid.faces import face_geometry
@@ -114,7 +115,7 @@ def contact_rows(
     interfaces: Sequence[Interface],
     segments: Sequence[Touching],
     bodies: Mapping[str, Dofs],
-    jointed: Mapping[str, AnyRigidDofs],
+    jointed: Mapping[str, RigidDofs[RigidBlocks]],
     n: int,
     dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
@@ -139,7 +140,7 @@ def contact_rows(
 def joined(
     stations: Sequence[Station],
     interfaces: Sequence[Interface],
-    jointed: Mapping[str, AnyRigidDofs],
+    jointed: Mapping[str, RigidDofs[RigidBlocks]],
     n: int,
     dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
@@ -240,7 +241,7 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
     return Laws(*(np.full(count, value) for value in terms))
 
 
-def _joints(dofs: AnyRigidDofs, first: int, n: int) -> Station:
+def _joints(dofs: RigidDofs[RigidBlocks], first: int, n: int) -> Station:
     joints = dofs.body.joints
     laws = Laws(*dofs.body.joint_terms)
     number, where = first + np.arange(joints.count), of_joints(joints)

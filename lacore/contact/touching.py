@@ -5,6 +5,7 @@ from functools import singledispatch
 
 from lacore.bodies.any_body import AnyBody, of_kind
 from lacore.bodies.blocks.joints import Joints
+from lacore.bodies.blocks.rigid_blocks import JointPairs
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.joints import Joints3D
 from lacore.bodies.continuum.body import Body
@@ -36,7 +37,7 @@ def in_plane(touching: Touching) -> segments.Segments:
 
 
 @singledispatch
-def of_joints(joints: Joints | Joints3D) -> Touching:
+def of_joints(joints: JointPairs) -> Touching:
     """Where the blocks of an assembly touch each other."""
     raise TypeError(f"no joints: {type(joints).__name__}")
 

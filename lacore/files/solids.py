@@ -35,10 +35,9 @@ def write_solids(state: LimitState, place: Path) -> Path:
     for number, (name, dofs) in enumerate(d.solids.items()):
         motion = state.velocity[name]
         for block, solid in enumerate(dofs.body.polyhedra.values()):
-            arm = solid.vertices.T - dofs.body.centroid[:, [block]]
             points.append(solid.vertices)
-            turning = np.cross(motion[3:, [block]], arm, axis=0)
-            velocity.append((motion[:3, [block]] + turning).T)
+            blocks = np.full(len(solid.vertices), block)
+            velocity.append(dofs.velocity_at(motion, blocks, solid.vertices.T).T)
             cells.append([np.array(face) + first for face in solid.faces])
             labels.append((number, block))
             first += len(solid.vertices)

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 
 from lacore.arrays import Floats, Ints
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import element_means, node_means
@@ -123,9 +124,10 @@ def _tensors(dofs: BodyDofs, stress: Floats) -> Floats:
     return np.concatenate([known, np.zeros((6 - len(known), known.shape[1]))])
 
 
-def _rigid(dofs: RigidDofs, motion: Floats, number: int) -> Iterator[_Part]:
+def _rigid(dofs: RigidDofs[BlockAssembly], motion: Floats, number: int) -> Iterator[_Part]:
     """Blocks, a part for each number of corners."""
-    edges, moves = dofs.body.edges, _spatial(dofs.vertex_velocity(motion))
+    edges = dofs.body.edges
+    moves = _spatial(dofs.velocity_at(motion, edges.block, edges.start))
     first = np.flatnonzero(np.diff(edges.block, prepend=-1))
     corners = np.diff(first, append=edges.block.size)
     for count in np.unique(corners).tolist():

@@ -17,7 +17,8 @@ from scipy.sparse.linalg import spsolve
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import effective_stress, pore_pressures
-from lacore.bodies.blocks3d.dofs import AnyRigidDofs
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
 from lacore.bodies.continuum.volume import judged_means
@@ -88,7 +89,7 @@ def checked(
 def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike]) -> Floats:
     """All unknowns from velocities by body as `LimitState.velocity` shows them."""
     u = stored.copy()
-    rigid: dict[str, AnyRigidDofs | FrameDofs] = {**d.jointed, **d.frames}
+    rigid: dict[str, RigidDofs[RigidBlocks] | FrameDofs] = {**d.jointed, **d.frames}
     for name, values in given.items():
         require_known("velocity", name, [*d.continua, *rigid])
         field = f"velocity[{name!r}]"

@@ -4,6 +4,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 
 
@@ -40,7 +41,7 @@ def driven_corners(
     return ""
 
 
-def _relative(dofs: RigidDofs, velocity: Floats) -> Floats:
+def _relative(dofs: RigidDofs[BlockAssembly], velocity: Floats) -> Floats:
     """Velocities of the first of two blocks against the second where corners meet, (2, k)."""
     meetings = dofs.body.meetings
     own, other = (

@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
 from lacore.arrays import Bools, Floats
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.limit.state import LimitState
 from lacore.pictures.continua import BEFORE
@@ -15,7 +16,7 @@ _AT_REST = 1e-3  # of the largest velocity
 _MANY = 150  # blocks, that thin lines keep apart
 
 
-def held_blocks(state: LimitState, dofs: RigidDofs) -> Bools:
+def held_blocks(state: LimitState, dofs: RigidDofs[BlockAssembly]) -> Bools:
     """Which blocks supports leave no velocity, shape (blocks,)."""
     basis = state.discretisation.free_basis[dofs.offset : dofs.offset + dofs.count]
     largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 3)
@@ -29,8 +30,8 @@ def draw_blocks(axes: Axes, state: LimitState, stretch: float, fastest: float) -
     by half the square of their rotation for it.
     """
     for name, dofs in state.discretisation.assemblies.items():
-        velocity = dofs.vertex_velocity(state.velocity[name])
         held, edges = held_blocks(state, dofs), dofs.body.edges
+        velocity = dofs.velocity_at(state.velocity[name], edges.block, edges.start)
         moves = np.zeros(held.size, dtype=bool)
         moves[edges.block[np.linalg.norm(velocity, axis=0) > _AT_REST * fastest]] = True
         lines = np.stack([edges.start, edges.end], axis=1)[:, :, moves[edges.block]].T
@@ -38,7 +39,7 @@ def draw_blocks(axes: Axes, state: LimitState, stretch: float, fastest: float) -
         fill_blocks(axes, outlines(dofs, edges.start + stretch * velocity), held, 2.0)
 
 
-def outlines(dofs: RigidDofs, vertices: Floats) -> list[Floats]:
+def outlines(dofs: RigidDofs[BlockAssembly], vertices: Floats) -> list[Floats]:
     """Polygons (k, 2) of all blocks from the starts of their edges."""
     return np.split(vertices.T, np.flatnonzero(np.diff(dofs.body.edges.block)) + 1)
 

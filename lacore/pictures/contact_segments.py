@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.any_body import Dofs
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.contact.controls import controls, segment_curves
 from lacore.contact.obstacles import Obstacle
@@ -145,7 +146,7 @@ class RigidSide:
     """
 
     side: int
-    dofs: RigidDofs
+    dofs: RigidDofs[BlockAssembly]
     points: Ints
     blocks: Ints
 

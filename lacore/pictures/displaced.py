@@ -152,7 +152,10 @@ def _outline(state: LimitState) -> tuple[Floats, Floats]:
     places += [dofs.body.edges.start for dofs in d.assemblies.values()]
     places += [dofs.body.position for dofs in d.frames.values()]
     moves = [velocity[name] for name in d.continua]
-    moves += [dofs.vertex_velocity(velocity[name]) for name, dofs in d.assemblies.items()]
+    moves += [
+        dofs.velocity_at(velocity[name], dofs.body.edges.block, dofs.body.edges.start)
+        for name, dofs in d.assemblies.items()
+    ]
     moves += [velocity[name][:2] for name in d.frames]
     return np.concatenate(places, axis=1), np.concatenate(moves, axis=1)
 

@@ -5,19 +5,19 @@ Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from lacore.arrays import Floats, Ints
+from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.checks import check_contact
-from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_law, joint_names
-from lacore.bodies.blocks.loaded import carried
+from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_law
+from lacore.bodies.blocks.loads import carried
 from lacore.bodies.blocks.meeting_corners import Meetings, meetings
 from lacore.bodies.blocks.polygons import (
     BlockEdges,
@@ -28,24 +28,22 @@ from lacore.bodies.blocks.polygons import (
     require_apart,
     require_no_slits,
 )
-from lacore.bodies.pickled import by_arguments
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks, require_resolved
 from lacore.bodies.touching import Edges, Touched
-from lacore.conditions.loads import Fix, Load, require_no_rotation
+from lacore.conditions.loads import Fix, Load
 from lacore.conditions.where import Where, edges_inside
-from lacore.errors import InputError, require_known, require_positive
+from lacore.errors import InputError, require_positive
 from lacore.materials.friction import Friction
 from lacore.meshes.curved import EdgeCurves
-from lacore.reporting.text import Term, text
-from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
+from lacore.showing import placed
 
 _TOLERANCE = 1e-6  # of the mean block size
 _GAP = 1e-3  # of the shortest edge: ten times less than gaps that count as nearly touching
 _SLIVER = 1e-6  # of the size of its block: an edge below it is none
-_DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BlockAssembly(Shown):
+class BlockAssembly(RigidBlocks):
     """Rigid blocks and the joints between them.
 
     A joint is a segment that two outlines share: edges that face each other, overlap along more
@@ -66,6 +64,7 @@ class BlockAssembly(Shown):
         size: diagonal of the bounding box of all, m.
         edges: edges of all outlines, with block numbers.
         joints: see `Joints`; the master is the block that comes first.
+        joint_terms: coefficient, limit, dilatancy and tension of their laws, (4, J).
         meetings: corners that meet without a joint that keeps them apart, see `Meetings`.
 
     Raises:
@@ -88,9 +87,7 @@ class BlockAssembly(Shown):
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
     dimension: ClassVar[int] = 2
-    pointwise: ClassVar[bool] = False  # it touches others along edges
-    deforms: ClassVar[bool] = False
-    axisymmetric: ClassVar[bool] = False
+    facet: ClassVar[str] = "at least one edge"
     names: tuple[str, ...] = field(init=False, repr=False)
     area: Floats = field(init=False, repr=False)
     centroid: Floats = field(init=False, repr=False)
@@ -98,11 +95,8 @@ class BlockAssembly(Shown):
     size: float = field(init=False, repr=False)
     edges: BlockEdges = field(init=False, repr=False)
     joints: Joints = field(init=False, repr=False)
+    joint_terms: Floats = field(init=False, repr=False)
     meetings: Meetings = field(init=False, repr=False)
-
-    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
-        """Pickle by the arguments."""
-        return by_arguments(self)
 
     def __post_init__(self) -> None:
         outlines = read_polygons(self.blocks, "BlockAssembly.blocks")
@@ -136,25 +130,13 @@ class BlockAssembly(Shown):
             "size": float(np.linalg.norm(np.ptp(points, axis=0))),
             "edges": edges,
             "joints": joints,
+            "joint_terms": np.stack(
+                [joints.coefficient, joints.limit, joints.dilatancy, joints.tension]
+            ),
             "meetings": meetings(edges, joints, tolerance),
         }
         for name, value in computed.items():
             object.__setattr__(self, name, value)
-
-    @property
-    def contents(self) -> str:
-        """``13 blocks, 22 joints``."""
-        return f"{counted(len(self.names), 'rigid block')}, {counted(self.joints.count, 'joint')}"
-
-    def facts(self) -> Facts:
-        """What it consists of."""
-        laws = self.joint_friction or {}
-        told = {
-            "blocks": listed(self.names, 10),
-            "friction": short(self.friction) + (f", {len(laws)} joints differ" if laws else ""),
-            "size": f"{self.area.sum():.4g} m^2, {self.size:.4g} m across",
-        }
-        return Facts(f"BlockAssembly: {self.contents}", told)
 
     @property
     def box(self) -> tuple[Floats, Floats]:
@@ -168,37 +150,46 @@ class BlockAssembly(Shown):
         return self.blocks  # type: ignore[return-value]
 
     @property
-    def joint_names(self) -> tuple[str, ...]:
-        """``master|slave``, and ``master|slave#2`` where two blocks share a second segment."""
-        return joint_names(self.names, self.joints.master, self.joints.slave)
-
-    @property
-    def joint_terms(self) -> Floats:
-        """Coefficient, limit, dilatancy and tension of the laws of joints, (4, J)."""
-        own = self.joints
-        return np.stack([own.coefficient, own.limit, own.dilatancy, own.tension])
-
-    @property
-    def isolated(self) -> tuple[str, ...]:
-        """Names of the blocks that have no joint."""
-        jointed = np.zeros(len(self.names), dtype=bool)
-        jointed[self.joints.slave] = jointed[self.joints.master] = True
-        return tuple(name for name, has in zip(self.names, jointed, strict=True) if not has)
-
-    @property
     def jointed_edges(self) -> Ints:
         """Numbers of the edges that have a joint."""
         return np.union1d(self.joints.slave_edge, self.joints.master_edge)
 
     @property
-    def allowed(self) -> float:
-        """Distance up to which coordinates count as one, m."""
-        assert self.tolerance is not None  # since it was built
-        return self.tolerance
+    def measure(self) -> Floats:
+        """Areas, (B,), m^2."""
+        return self.area
 
-    def blocks_of(self, edges: Ints) -> Ints:
-        """The blocks of outline edges."""
-        return np.asarray(self.edges.block[edges])
+    @property
+    def facet_blocks(self) -> Ints:
+        """The block of each edge."""
+        return self.edges.block
+
+    def rims(self, edges: Ints) -> tuple[Floats, Floats, Ints]:
+        """Ends of edges, (2, k), m, normals there, (2, k), and blocks, (k,)."""
+        every, twice = self.edges, np.tile(edges, 2)
+        places = np.concatenate([every.start[:, edges], every.end[:, edges]], axis=1)
+        return places, every.normal[:, twice], every.block[twice]
+
+    def geometry_of(self, edges: Ints) -> tuple[Floats, Floats, Floats]:
+        """Middles of edges and normals, (2, k) each, and lengths, (k,), m."""
+        start, end = self.edges.start[:, edges], self.edges.end[:, edges]
+        length = np.linalg.norm(end - start, axis=0)
+        return (start + end) / 2, self.edges.normal[:, edges], np.asarray(length)
+
+    def simplices(self, blocks: Ints) -> tuple[Floats, Floats, Ints]:
+        """Triangles of blocks, corners (2, 3, t), m, areas (t,), m^2, and the block of each."""
+        rings = [shapely.Polygon(self.polygons[self.names[block]]) for block in blocks]
+        cut = [shapely.get_parts(shapely.constrained_delaunay_triangles(own)) for own in rings]
+        corners = shapely.get_coordinates(np.concatenate(cut)).reshape(-1, 4, 2)[:, :3]
+        corners = corners.transpose(2, 1, 0)
+        u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = np.abs(u[0] * v[1] - u[1] * v[0]) / 2
+        return corners, area, np.repeat(blocks, [len(own) for own in cut])
+
+    def away(self, place: Floats) -> Floats:
+        """Distances of a place from all blocks, m, (B,)."""
+        outlines = [shapely.Polygon(ring) for ring in self.polygons.values()]
+        return np.asarray(shapely.distance(outlines, shapely.Point(place)))
 
     def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
         """Outline edges of a part of the blocks, and their geometry; errors name the `field`."""
@@ -214,57 +205,29 @@ class BlockAssembly(Shown):
         """Raise `InputError` where no block carries a load."""
         carried(load, self)
 
-    def with_points(self, points: Iterable[Sequence[float]]) -> BlockAssembly:
-        """Itself: point forces act anywhere on blocks."""
-        return self
-
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
         """Raise `InputError` where a block touches nothing, or by a corner only."""
         check_contact(self, field, supports, touched)
 
-    def check_support(self, support: Fix, field: str) -> None:
-        """Raise `InputError` where a support cannot hold it; it names the `field`."""
-        self.outline(support.where, f"{field}.where")
-        require_no_rotation(support, field)
-
-    def outline(self, where: Where, field: str) -> Ints:
-        """Edge numbers of the part `where` of the outlines, sorted.
-
-        A name, or a tuple of names, selects whole blocks. A predicate gets coordinates (2, n),
-        returns a mask (n,), and selects the edges that satisfy it along their whole length; it
-        must not end inside an edge.
+    def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:
+        """Edges that satisfy a predicate along their whole length.
 
         Raises:
-            InputError: unknown name, nothing selected, a predicate that ends inside an edge; it
-                names `field`.
+            InputError: a predicate that ends inside an edge; it names the `field`.
         """
-        if callable(where):
-            chosen, cut = edges_inside(where, self.edges.start, self.edges.end, field)
-            if cut.size:
-                first = cut[0]
-                raise InputError(
-                    field,
-                    None,
-                    f"it ends inside an edge of block {self.names[self.edges.block[first]]!r},"
-                    f" from {placed(self.edges.start[:, first])}"
-                    f" to {placed(self.edges.end[:, first])}",
-                    "put a vertex of the block where it ends",
-                )
-        elif isinstance(where, str | tuple):
-            wanted = (where,) if isinstance(where, str) else where
-            for name in wanted:
-                require_known(field, name, self.names)
-            chosen = np.flatnonzero(np.isin(self.names, wanted)[self.edges.block])
-        else:
-            fix = text(
-                "give a name, names, or {}", Term("a function of (2, n)", "places in numbers")
+        chosen, cut = edges_inside(where, self.edges.start, self.edges.end, field)
+        if cut.size:
+            first = cut[0]
+            raise InputError(
+                field,
+                None,
+                f"it ends inside an edge of block {self.names[self.edges.block[first]]!r},"
+                f" from {placed(self.edges.start[:, first])}"
+                f" to {placed(self.edges.end[:, first])}",
+                "put a vertex of the block where it ends",
             )
-            raise InputError(field, where, "no part of the blocks", fix)
-        if chosen.size == 0:
-            fix = f"select at least one edge: the blocks lie in {spanned(*self.box)}"
-            raise InputError(field, None, "an empty outline", fix)
         return chosen
 
 
@@ -277,7 +240,6 @@ def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Fl
         block: numbers, (n,).
         area: of the blocks.
     """
-    farthest = np.abs(points).max()
     if given is not None:
         require_positive("BlockAssembly.tolerance", given)
         tolerance = given
@@ -287,14 +249,7 @@ def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Fl
         own = size[block[1:][block[1:] == block[:-1]]]
         shortest = length[length > _SLIVER * own].min()
         tolerance = min(_TOLERANCE * np.mean(size), _GAP * shortest)
-    if tolerance < _DIGITS * farthest:
-        raise InputError(
-            "BlockAssembly.tolerance",
-            tolerance,
-            f"coordinates as large as {farthest:.3g} m are not that precise",
-            "put the origin near the blocks, or give a larger tolerance",
-        )
-    return float(tolerance)
+    return require_resolved(float(tolerance), points, "BlockAssembly.tolerance")
 
 
 def RigidBlock(vertices: ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body

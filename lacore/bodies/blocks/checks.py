@@ -1,16 +1,15 @@
 """Whether blocks touch what holds them: by edges, and each of them something."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lacore.arrays import Ints
 from lacore.bodies.blocks.corners import resting_corners
-from lacore.bodies.blocks.held import free_motions
+from lacore.bodies.blocks.motions import moving_blocks
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix
-from lacore.conditions.where import Where
 from lacore.errors import InputError
 
 if TYPE_CHECKING:
@@ -55,9 +54,8 @@ def _check_corners(body: "BlockAssembly", field: str, supports: Sequence[Fix]) -
     alone = np.flatnonzero(~met.linked)
     if not alone.size:
         return
-    free = np.diff(free_motions(body, supports).indptr).reshape(-1, 3)
-    moves = np.asarray(free.any(axis=1))
-    alone = alone[moves[met.first[alone]] | moves[met.second[alone]]]
+    moving = moving_blocks(body, supports)
+    alone = alone[np.isin(met.first[alone], moving) | np.isin(met.second[alone], moving)]
     if alone.size:
         block, other = body.names[met.first[alone[0]]], body.names[met.second[alone[0]]]
         raise InputError(
@@ -83,30 +81,8 @@ def _check_free(body: "BlockAssembly", touched: Touched) -> None:
         )
 
 
-class Outlined(Protocol):
-    """An assembly of blocks, in the plane or in space."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of its blocks."""
-        ...
-
-    @property
-    def isolated(self) -> tuple[str, ...]:
-        """Names of the blocks that have no joint."""
-        ...
-
-    def outline(self, where: Where, field: str) -> Ints:
-        """Numbers of the edges, or faces, of a part of it."""
-        ...
-
-    def blocks_of(self, edges: Ints) -> Ints:
-        """The blocks of edges, or faces."""
-        ...
-
-
 def check_isolated(
-    body: Outlined,
+    body: RigidBlocks,
     field: str,
     supports: Sequence[Fix],
     touched: Sequence[Touched],

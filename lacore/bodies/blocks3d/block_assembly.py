@@ -9,39 +9,39 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.checks import check_isolated
-from lacore.bodies.blocks.joints import JointFriction, joint_law, joint_names, joint_terms
+from lacore.bodies.blocks.joints import JointFriction, joint_law, joint_terms
+from lacore.bodies.blocks.loads import carried
+from lacore.bodies.blocks.motions import moving_blocks
 from lacore.bodies.blocks.polygons import block_name
+from lacore.bodies.blocks.rigid_blocks import CrushingPoints, RigidBlocks, require_resolved
 from lacore.bodies.blocks3d.apart import meeting_alone, require_apart, touched_by
 from lacore.bodies.blocks3d.crushing import Crushing, crushing_of
 from lacore.bodies.blocks3d.faces import Faces, faces_of
-from lacore.bodies.blocks3d.held import free_motions
 from lacore.bodies.blocks3d.joints import Joints3D, find_joints
-from lacore.bodies.blocks3d.loaded import carried
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.bodies.blocks3d.slits import require_no_slits
-from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix, Load
-from lacore.conditions.where import Where
-from lacore.errors import InputError, require_known, require_positive
+from lacore.conditions.where import asked
+from lacore.errors import InputError, require_positive
 from lacore.materials.friction import Friction
 from lacore.reporting import terms
-from lacore.reporting.text import Term, text
-from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
+from lacore.reporting.text import text
+from lacore.showing import Facts, counted, placed, short
 
 _TOLERANCE = 1e-6  # of the mean block size
-_DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BlockAssembly3D(Shown):
+class BlockAssembly3D(RigidBlocks):
     """Rigid blocks in space and the joints between them (T70, T71).
 
     A joint is a plane polygon that faces of two blocks share: they face each other, overlap with an
@@ -79,9 +79,7 @@ class BlockAssembly3D(Shown):
     tolerance: float | None = None
     crushing: float | Crushing | None = None
     dimension: ClassVar[int] = 3
-    pointwise: ClassVar[bool] = False  # it touches others along faces
-    deforms: ClassVar[bool] = False
-    axisymmetric: ClassVar[bool] = False
+    facet: ClassVar[str] = "the centroid of at least one face"
     names: tuple[str, ...] = field(init=False, repr=False)
     volume: Floats = field(init=False, repr=False)
     centroid: Floats = field(init=False, repr=False)
@@ -91,10 +89,6 @@ class BlockAssembly3D(Shown):
     face_centroid: Floats = field(init=False, repr=False)
     joints: Joints3D = field(init=False, repr=False)
     joint_terms: Floats = field(init=False, repr=False)
-
-    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
-        """Pickle by the arguments."""
-        return by_arguments(self)
 
     def __post_init__(self) -> None:
         blocks = _read(self.blocks, "BlockAssembly3D.blocks")
@@ -130,23 +124,13 @@ class BlockAssembly3D(Shown):
         for name, value in computed.items():
             object.__setattr__(self, name, value)
 
-    @property
-    def contents(self) -> str:
-        """``36 blocks in space, 48 joints``."""
-        blocks = counted(len(self.names), "rigid block")
-        return f"{blocks} in space, {counted(self.joints.count, 'joint')}"
-
     def facts(self) -> Facts:
         """What it consists of."""
-        laws = self.joint_friction or {}
-        told = {
-            "blocks": listed(self.names, 10),
-            "friction": short(self.friction) + (f", {len(laws)} joints differ" if laws else ""),
-            "size": f"{self.volume.sum():.4g} m^3, {self.size:.4g} m across",
-        }
-        if law := crushing_of(self.crushing):
-            told["crushing"] = f"{short(law.strength)} Pa, {counted(law.divisions, 'division')}"
-        return Facts(f"BlockAssembly3D: {self.contents}", told)
+        facts = super().facts()
+        if (law := crushing_of(self.crushing)) is None:
+            return facts
+        crushing = f"{short(law.strength)} Pa, {counted(law.divisions, 'division')}"
+        return Facts(facts.title, {**facts.told, "crushing": crushing})
 
     @property
     def box(self) -> tuple[Floats, Floats]:
@@ -161,26 +145,49 @@ class BlockAssembly3D(Shown):
         return self.blocks
 
     @property
-    def joint_names(self) -> tuple[str, ...]:
-        """``master|slave``, and ``master|slave#2`` where two blocks share a second polygon."""
-        return joint_names(self.names, self.joints.master, self.joints.slave)
+    def measure(self) -> Floats:
+        """Volumes, (B,), m^3."""
+        return self.volume
 
     @property
-    def isolated(self) -> tuple[str, ...]:
-        """Names of the blocks that have no joint."""
-        jointed = np.zeros(len(self.names), dtype=bool)
-        jointed[self.joints.slave] = jointed[self.joints.master] = True
-        return tuple(name for name, has in zip(self.names, jointed, strict=True) if not has)
+    def facet_blocks(self) -> Ints:
+        """The block of each face."""
+        return self.faces.block
 
     @property
-    def allowed(self) -> float:
-        """Distance up to which coordinates count as one, m."""
-        assert self.tolerance is not None  # since it was built
-        return self.tolerance
+    def crushing_points(self) -> CrushingPoints | None:
+        """Points of joints that crush: centroids of their cells."""
+        own, law = self.joints, crushing_of(self.crushing)
+        if law is None:
+            return None
+        block, normal = own.slave[own.joint], own.normal[:, own.joint]
+        return CrushingPoints(block, own.points, normal, own.weight, law.strength)
 
-    def blocks_of(self, faces: Ints) -> Ints:
-        """The blocks of faces."""
-        return np.asarray(self.faces.block[faces])
+    def rims(self, faces: Ints) -> tuple[Floats, Floats, Ints]:
+        """Corners of some faces, (3, k), m, normals there, (3, k), and blocks, (k,)."""
+        places, face = self.corners_of(faces)
+        return places, self.faces.normal[:, face], self.faces.block[face]
+
+    def geometry_of(self, faces: Ints) -> tuple[Floats, Floats, Floats]:
+        """Centroids of faces, m, and normals, (3, k) each, and areas, (k,), m^2."""
+        return self.face_centroid[:, faces], self.faces.normal[:, faces], self.faces.area[faces]
+
+    def away(self, place: Floats) -> Floats:
+        """How far a place is outside of the planes of the nearest convex piece of each block, m."""
+        return np.array([_outside(block, place) for block in self.polyhedra.values()])
+
+    def simplices(self, blocks: Ints) -> tuple[Floats, Floats, Ints]:
+        """Tetrahedra over the triangles of faces, (3, 4, t), m, volumes (t,), m^3, and blocks."""
+        found, owners = [], []
+        for number in blocks.tolist():
+            own = self.polyhedra[self.names[number]]
+            rings = [(ring[0], *pair) for ring in own.faces for pair in pairwise(ring[1:])]
+            apex = np.repeat(own.centroid[None, None], len(rings), axis=0)
+            found.append(np.concatenate([apex, own.vertices[np.array(rings)]], axis=1))
+            owners.append(np.full(len(rings), number))
+        corner = np.concatenate(found).transpose(2, 1, 0)
+        u, v, w = (corner[:, k] - corner[:, 0] for k in (1, 2, 3))
+        return corner, np.sum(u * np.cross(v, w, axis=0), axis=0) / 6, np.concatenate(owners)
 
     def corners_of(self, faces: Ints) -> tuple[Floats, Ints]:
         """Corners of some faces, (3, k), m, and the face of each, (k,)."""
@@ -198,10 +205,6 @@ class BlockAssembly3D(Shown):
     def check_load(self, load: Load, field: str) -> None:
         """Raise `InputError` where no block carries a load."""
         carried(load, self)
-
-    def with_points(self, points: Iterable[Sequence[float]]) -> BlockAssembly3D:
-        """Itself: point forces act anywhere on blocks."""
-        return self
 
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
@@ -237,9 +240,8 @@ class BlockAssembly3D(Shown):
         first, second, place = self._alone
         if not first.size:
             return
-        free = np.diff(free_motions(self, supports).indptr).reshape(-1, 6)
-        moves = np.asarray(free.any(axis=1))
-        own = np.flatnonzero(moves[first] | moves[second])
+        moving = moving_blocks(self, supports)
+        own = np.flatnonzero(np.isin(first, moving) | np.isin(second, moving))
         if own.size:
             one, other = (self.names[blocks[own[0]]] for blocks in (first, second))
             raise InputError(
@@ -278,35 +280,18 @@ class BlockAssembly3D(Shown):
             " corner only, which makes no joint"
         )
 
-    def check_support(self, support: Fix, field: str) -> None:
-        """Raise `InputError` where a support cannot hold it; it names the `field`."""
-        self.outline(support.where, f"{field}.where")
-
-    def outline(self, where: Where, field: str) -> Ints:
-        """Numbers of the plane faces of the part `where` of the blocks, sorted.
-
-        A name, or a tuple of names, selects whole blocks. A predicate gets the centroids of all
-        faces, (3, n), and returns a mask (n,).
+    def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:
+        """Faces whose centroids satisfy a predicate.
 
         Raises:
-            InputError: unknown name, nothing selected, a predicate that fails; it names `field`.
+            InputError: a predicate that fails; it names the `field`.
         """
-        if callable(where):
-            chosen = np.flatnonzero(_inside(where, self.face_centroid, field))
-        elif isinstance(where, str | tuple):
-            wanted = (where,) if isinstance(where, str) else where
-            for name in wanted:
-                require_known(field, name, self.names)
-            chosen = np.flatnonzero(np.isin(self.names, wanted)[self.faces.block])
-        else:
-            fix = text(
-                "give a name, names, or {}", Term("a function of (3, n)", "places in numbers")
-            )
-            raise InputError(field, where, "no part of the blocks", fix)
-        if chosen.size == 0:
-            fix = f"select the centroid of a face: the blocks lie in {spanned(*self.box)}"
-            raise InputError(field, None, "no face", fix)
-        return chosen
+        return np.flatnonzero(asked(where, self.face_centroid.copy(), field))
+
+
+def _outside(block: Polyhedron, place: Floats) -> float:
+    """How far a place is outside of the planes of the nearest convex piece of a block, m."""
+    return min(float((place @ piece.normal - piece.offset).max()) for piece in block.pieces)
 
 
 def _read(
@@ -328,38 +313,9 @@ def _read(
     return read
 
 
-def _inside(where: Callable[[Floats], Bools], places: Floats, field: str) -> Bools:
-    """Which places, (3, n), satisfy a predicate, (n,)."""
-    try:
-        inside = np.asarray(where(places.copy()))
-    except Exception as error:  # of others
-        raise InputError(
-            field,
-            None,
-            f"the predicate fails for coordinates (3, n): {type(error).__name__}: {error}",
-            "compare arrays, and join conditions by & and |, each in brackets",
-        ) from error
-    if inside.shape != (places.shape[1],) or inside.dtype != bool:
-        raise InputError(
-            field,
-            inside.dtype.name,
-            "the predicate does not return one bool a face",
-            "return an array of bool of shape (n,) for coordinates (3, n)",
-        )
-    return inside
-
-
 def _length_tolerance(given: float | None, vertices: Floats, volume: Floats) -> float:
     """The tolerance in m, refused where coordinates, (3, n), do not resolve it."""
     if given is not None:
         require_positive("BlockAssembly3D.tolerance", given)
     tolerance = float(_TOLERANCE * np.cbrt(volume).mean()) if given is None else float(given)
-    farthest = np.abs(vertices).max()
-    if tolerance < _DIGITS * farthest:
-        raise InputError(
-            "BlockAssembly3D.tolerance",
-            tolerance,
-            f"coordinates as large as {farthest:.3g} m are not that precise",
-            "put the origin near the blocks, or give a larger tolerance",
-        )
-    return tolerance
+    return require_resolved(tolerance, vertices, "BlockAssembly3D.tolerance")

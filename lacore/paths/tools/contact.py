@@ -14,6 +14,7 @@ from scipy.sparse import csr_matrix
 from lacore.arrays import Floats
 from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.any_body import PlaneBody
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import Load, PointForce
@@ -58,7 +59,7 @@ def face_stations(
 
 
 def carried_station(
-    own: Obstacle, station: Station, now: Shape, tool: RigidDofs, n: int
+    own: Obstacle, station: Station, now: Shape, tool: RigidDofs[BlockAssembly], n: int
 ) -> Station:
     """Control values of the edges of a body against a tool.
 
@@ -87,7 +88,7 @@ def corner_station(
     shapes: tuple[Shape, Shape],
     bodies: tuple[PlaneBody, PlaneBody],
     dofs: BodyDofs,
-    tool: RigidDofs | None,
+    tool: RigidDofs[BlockAssembly] | None,
     n: int,
 ) -> Station | None:
     """Sharp corners of a face that stand before, or on, edges of a body; None of none.

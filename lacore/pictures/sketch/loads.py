@@ -13,7 +13,7 @@ from matplotlib.tri import Triangulation
 from lacore.arrays import Floats
 from lacore.bodies.any_body import AnyBody, plane
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.loaded import carried
+from lacore.bodies.blocks.loads import carried
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.body_forces import elements_of
 from lacore.bodies.continuum.water import in_pores

@@ -9,8 +9,8 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
+from lacore.bodies.blocks.loads import carried
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.blocks3d.loaded import carried
 from lacore.pictures.space.drawing import explain, fill_polygons, fill_solids, page, space
 from lacore.pictures.space.structure import Blocks, blocks_of
 from lacore.problem.problem import Problem

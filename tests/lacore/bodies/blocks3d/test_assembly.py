@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.blocks3d.dofs import RigidDofs3D
+from lacore.bodies.blocks.dofs import RigidDofs
 from tests.lacore.bodies.blocks3d.solids import L_SHAPE, box, corners, moved, prism, triangulated
 
 STACK = {str(n): box((0, 0, n), (1, 1, n + 1)) for n in range(3)}
@@ -168,7 +168,7 @@ def test_resultants_of_loads(cut):
     """Forces and moments about the centroid, r times over, of a block that is not convex."""
     block = cut(prism(L_SHAPE, 2.0))
     body = la.BlockAssembly3D({"L": block}, 0.5)
-    dofs, c, r = RigidDofs3D(body, 0), block.centroid, block.radius
+    dofs, c, r = RigidDofs(body, 0), block.centroid, block.radius
 
     def resultant(load):
         total = dofs.force(load)
@@ -205,7 +205,7 @@ def test_supports_of_a_face_leave_free_what_they_do_not_hold(components, free):
     """Of a bottom z holds two rotations; x the one about z, and of u_x and the one about y, which
     moves all corners of one height alike, their sum."""
     body = la.BlockAssembly3D(STACK, 0.6)
-    basis = RigidDofs3D(body, 0).free([la.Fix("stack", low, components)])
+    basis = RigidDofs(body, 0).free([la.Fix("stack", low, components)])
     assert basis.shape == (18, 12 + free)
     own = basis[:6, : basis.shape[1]].toarray()
     assert np.linalg.matrix_rank(own) == free
@@ -213,7 +213,7 @@ def test_supports_of_a_face_leave_free_what_they_do_not_hold(components, free):
 
 def test_velocities_of_points_are_those_of_a_rigid_motion():
     body = la.BlockAssembly3D(STACK, 0.6)
-    dofs = RigidDofs3D(body, 2)
+    dofs = RigidDofs(body, 2)
     rng = np.random.default_rng(3)
     u, omega, points = rng.random((3, 3)), rng.random((3, 3)), rng.random((3, 5))
     blocks = np.array([0, 2, 1, 1, 0])
