@@ -17,7 +17,8 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.contact.interfaces import Interface
-from lacore.contact.rows import ContactPoints, Station, interface_station, joined, laws_of
+from lacore.contact.laws import laws_of
+from lacore.contact.rows import ContactPoints, Station, interface_station, joined
 from lacore.contact.segments import Segments
 from lacore.errors import InputError
 from lacore.program import ContactRows

@@ -13,7 +13,6 @@ edges, so that neither side is preferred. Control values that two segments share
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
-from math import inf
 
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
@@ -28,18 +27,15 @@ from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.contact.controls import Controls, controls
 from lacore.contact.faces import Faces
 from lacore.contact.interfaces import Interface
+from lacore.contact.laws import Laws, laws_of
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.patches import Patches
 from lacore.contact.segments import Segments
 from lacore.contact.touching import Touching, of_joints
-from lacore.errors import InputError
 from lacore.numerics.interleaving import interleaved
 from lacore.program import ContactRows
-from lacore.reporting.terms import BOND
-from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact
 
-_UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one
 _SAME_PLACE = 1e-9  # of the extent of the contact
 _ROUND_OFF = 1e-13  # of an entry of order one
@@ -73,21 +69,6 @@ class ContactPoints(Compact):
         arrays = (self.position[mask], self.normal[mask], self.moving[mask])
         gap = None if self.gap is None else self.gap[mask]
         return ContactPoints(*arrays, self.names, gap, self.obstacles, self.met)
-
-
-@dataclass(frozen=True, repr=False)
-class Laws(Compact):
-    """Friction of segments or points, (k,) each: see `lacore.materials.friction.FrictionTerms`."""
-
-    coefficient: Floats
-    limit: Floats
-    dilatancy: Floats
-    tension: Floats
-
-    def at(self, points: Ints) -> "Laws":
-        """Those of some segments or points, by numbers."""
-        own = (self.coefficient, self.limit, self.dilatancy, self.tension)
-        return Laws(*(values[points] for values in own))
 
 
 @dataclass(frozen=True, repr=False)
@@ -209,36 +190,6 @@ def interface_station(
     count = segments.slave.size
     laws = laws_of(interface, min(dofs.strength for dofs, _ in sides), count)
     return _stations(segments, np.full(count, index), laws, sides, n)
-
-
-def laws_of(interface: Interface, strength: float, count: int) -> Laws:
-    """Those of an interface at `count` places, between bodies that carry a shear `strength`, Pa."""
-    law, most = interface.law.terms(), _UNATTAINABLE * strength
-    if law.tension > most:
-        raise InputError(
-            "Interface.friction",
-            interface.law,
-            text(
-                "a tension of {}, beside a shear strength of {} in the bodies: nothing would ever"
-                " open",
-                Quantity(law.tension, "Pa", ".4g"),
-                Quantity(strength, "Pa", ".4g"),
-            ),
-            text(
-                "give at most {}; {} neither opens nor slips",
-                Quantity(most, "Pa", ".4g"),
-                BOND,
-            ),
-        )
-    # Stick, where it is far beyond any shear stress that the bodies can carry.
-    sticks = law.limit > most
-    terms = (
-        0.0 if sticks else law.coefficient,
-        inf if sticks else law.limit,
-        0.0 if sticks else law.dilatancy,
-        law.tension,
-    )
-    return Laws(*(np.full(count, value) for value in terms))
 
 
 def _joints(dofs: RigidDofs[RigidBlocks], first: int, n: int) -> Station:

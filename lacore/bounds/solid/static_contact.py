@@ -9,7 +9,8 @@ from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import selected
 from lacore.contact.faces import Faces
 from lacore.contact.interfaces import Interface
-from lacore.contact.rows import ContactPoints, Station, joined, laws_of
+from lacore.contact.laws import laws_of
+from lacore.contact.rows import ContactPoints, Station, joined
 from lacore.contact.touching import Touching
 from lacore.meshes.solid.faces import face_corners
 from lacore.program import ContactRows

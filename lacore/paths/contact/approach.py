@@ -10,8 +10,8 @@ from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.contact.laws import Laws
 from lacore.contact.obstacles import Obstacle
-from lacore.contact.rows import Laws
 from lacore.meshes.curved import EdgeCurves
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.stations import Station

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.any_body import Dofs, PlaneBody
-from lacore.contact.rows import laws_of
+from lacore.contact.laws import laws_of
 from lacore.paths.contact.meeting import SHARES, SLIVER, Meeting, meeting
 from lacore.paths.contact.outlines import Outline, outline
 from lacore.paths.contact.pairs import DEEP, Pair

@@ -7,8 +7,9 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.contact.laws import Laws
 from lacore.contact.obstacles import Obstacle
-from lacore.contact.rows import ContactPoints, Laws
+from lacore.contact.rows import ContactPoints
 from lacore.program import ContactRows
 from lacore.showing import Compact
 

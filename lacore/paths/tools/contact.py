@@ -18,8 +18,8 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import Load, PointForce
+from lacore.contact.laws import Laws
 from lacore.contact.obstacles import Obstacle, Shape
-from lacore.contact.rows import Laws
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.approach import obstacle_station
 from lacore.paths.contact.outlines import Outline, outline
