@@ -1,10 +1,12 @@
 """Invalid input on the command line: one sentence on stderr, and exit code 2."""
 
+from collections import UserDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from math import inf, isfinite
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any, TypeVar
 
 import click
@@ -19,6 +21,15 @@ class InvalidInput(click.ClickException):
     """Invalid input, reported in one sentence."""
 
     exit_code = BAD_INPUT
+
+
+class Imported(UserDict[str, Any]):
+    """Commands by name; ``module:attribute`` of each is imported when the command is looked up."""
+
+    def __getitem__(self, name: str) -> click.Command:
+        """Import a command."""
+        command: click.Command = resolve_name(super().__getitem__(name))
+        return command
 
 
 class Commands(click.Group):

@@ -2,8 +2,8 @@
 
 Exit codes: 0 success, 1 a result is wrong or missing, 2 invalid input.
 
-Commands import solvers, tables and pictures when they are called, here and in the modules of the
-other commands. Help texts and messages about mistyped names therefore appear without delay.
+The module of a command is imported when the command is named, and solvers, tables and pictures when
+it is called. Help texts and messages about mistyped names therefore appear without delay.
 """
 
 from collections import Counter
@@ -14,17 +14,8 @@ import click
 import lacore as la
 from verification.case import KINDS
 from verification.catalogue.catalogue import Catalogue, tagged
-from verification.commands.compare import compare
-from verification.commands.export import export
-from verification.commands.fuzz import fuzz
-from verification.commands.new import new
 from verification.commands.options import cases_option, json_option, name_list, print_json
-from verification.commands.programs import programs
-from verification.commands.report import history, manual, report
-from verification.commands.solve import solve
-from verification.commands.sweep import sweep
-from verification.commands.verify import verify
-from verification.usage import Commands
+from verification.usage import Commands, Imported
 
 START = """\
 lacore computes the load at which a structure collapses, and proves the result.
@@ -39,6 +30,25 @@ lacore computes the load at which a structure collapses, and proves the result.
 
 @click.group(
     cls=Commands,
+    commands=Imported(
+        {
+            "new": "verification.commands.new:new",
+            "solve": "verification.commands.solve:solve",
+            "compare": "verification.commands.compare:compare",
+            "verify": "verification.commands.verify:verify",
+            "report": "verification.commands.report:report",
+            "manual": "verification.commands.report:manual",
+            "history": "verification.commands.report:history",
+            "cases": "verification.commands.cli:list_cases",
+            "backends": "verification.commands.cli:list_backends",
+            "sweep": "verification.commands.sweep:sweep",
+            "fuzz": "verification.commands.fuzz:fuzz",
+            "programs": "verification.commands.programs:programs",
+            "conformance": "verification.commands.cli:run_conformance",
+            "export": "verification.commands.export:export",
+            "doctor": "verification.commands.cli:run_doctor",
+        }
+    ),
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -178,11 +188,3 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     else:
         tables.show_health(tables.table_console(), found)
     ctx.exit(0 if found["healthy"] else 1)
-
-
-for command in (
-    *(new, solve),
-    *(compare, verify, report, manual, history, list_cases, list_backends),
-    *(sweep, fuzz, programs, run_conformance, export, run_doctor),
-):
-    main.add_command(command)
