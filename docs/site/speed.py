@@ -11,8 +11,12 @@ import benchmarks
 import kept
 from myst import Writer
 from results import Results
-from verification.analysis import costs, performance_profile, shifted_geometric_means
-from verification.analysis.profiles import Costs
+from verification.analysis.profiles import (
+    Costs,
+    costs,
+    performance_profile,
+    shifted_geometric_means,
+)
 from verification.case.bracketing import BRACKET
 from verification.fuzz.programs.judge import BAR
 from verification.report.blocks import Block, Drawing, Heading, Table, Text

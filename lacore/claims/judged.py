@@ -9,8 +9,9 @@ from lacore.backend import PreparedSolver, checked_answer, find_backend, read_op
 from lacore.certificate import certify
 from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.claims.locking_ray import LockingRay, locking_ray
-from lacore.inner.preparing import JUDGE, preparing
+from lacore.inner.preparing import preparing
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.solvers.registry import JUDGE
 from lacore.status import Status
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]

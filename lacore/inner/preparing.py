@@ -11,10 +11,6 @@ from lacore.inner.strong_bodies import StrongBodySolver
 from lacore.program import KinematicProgram
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
-JUDGE = "auto"
-"""Exact backend that proves what others claim, where these prove no equilibrium; by two solvers."""
-
-
 ROUGH = 1e-4
 """Nominal tolerance of solves whose answers are only where others begin."""
 

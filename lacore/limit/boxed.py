@@ -13,12 +13,12 @@ from typing import ParamSpec
 from lacore.bodies.continuum.regions.lending import lend, strengthless
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.coupling.kinds import ASSOCIATED
-from lacore.inner.preparing import JUDGE
 from lacore.limit import solve as states
 from lacore.limit.larger import held_back
 from lacore.limit.reached import reached_supports
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
+from lacore.solvers.registry import JUDGE
 from lacore.status import Rigor, Status
 
 Given = ParamSpec("Given")

@@ -1,14 +1,18 @@
 """Which backend answers which coupling, and what is refused before anything is solved."""
 
-from collections.abc import Mapping
-from typing import Any
+from __future__ import annotations  # not evaluated: what they name is not loaded
 
-from lacore.assembly.discretisation import Discretisation
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
 from lacore.backend import Backend, check_capable, find_backend, read_options
 from lacore.coupling.kinds import CERTIFIED, COUPLINGS, DEFAULT, DEFAULT_REGULARISED
 from lacore.errors import InputError, require_known
 from lacore.program import KinematicProgram, dimensionless
 from lacore.solvers.isolation import SolverProcess
+
+if TYPE_CHECKING:
+    from lacore.assembly.discretisation import Discretisation
 
 
 def engine_for(

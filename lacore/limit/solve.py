@@ -26,7 +26,7 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, answered_by
 from lacore.errors import SolveError, typed
-from lacore.inner.preparing import JUDGE, preparing, rough
+from lacore.inner.preparing import preparing, rough
 from lacore.inner.rescaling import good_for
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si, ray_in_si
@@ -47,6 +47,7 @@ from lacore.program import (
 from lacore.regularization import RegularisedValues
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.isolation import SolverProcess, make_ready
+from lacore.solvers.registry import JUDGE
 from lacore.status import Rigor, Status
 
 TOLERANCE = 1e-6

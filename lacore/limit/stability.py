@@ -24,7 +24,7 @@ from lacore.claims.carrying import carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.run import Coupled
-from lacore.inner.preparing import JUDGE, preparing
+from lacore.inner.preparing import preparing
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
@@ -37,6 +37,7 @@ from lacore.program import (
     require_homogeneous,
 )
 from lacore.showing import Facts, Shown
+from lacore.solvers.registry import JUDGE
 from lacore.state import ProgramState
 from lacore.status import Status
 

@@ -18,7 +18,6 @@ from lacore.bounds.enclosing import associated, with_associated_flow
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import CapabilityError, InputError, require_positive, typed
-from lacore.inner.preparing import JUDGE
 from lacore.limit import cells
 from lacore.limit.solve import strict_bound
 from lacore.limit.stability import Stability, Standing, stability_of
@@ -26,6 +25,7 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.showing import Facts, Picture, Shown
 from lacore.solvers.compilation import SolveClock
+from lacore.solvers.registry import JUDGE
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:

@@ -25,6 +25,8 @@ GROUP = "lacore.backends"
 _OWN = "backends"  # the package of ours
 CALIBRATION = "clarabel"
 """Backend of lacore with which comparisons repeat a short solve, to measure the machine."""
+JUDGE = "auto"
+"""Exact backend that proves what others claim, where these prove no equilibrium; by two solvers."""
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.bounds.enclosing import has_coulomb
 from verification.case import SOLVER
 from verification.case.bracketing import BRACKET, Bracketing
 from verification.runs.outcome import Outcome
-from verification.runs.row import Row
+from verification.runs.row import STRICT, Row
 from verification.verdicts.allowed import allowed_values, distance
-from verification.verdicts.bracket import STRICT
 from verification.verdicts.limit_state import FINDS_NONE
 from verification.verdicts.words import (
     BOUND_ONLY,
@@ -298,6 +296,8 @@ class _Group:
     def _coulomb(self) -> bool:
         """Whether there is Coulomb friction, as far as anybody can tell."""
         try:
+            from lacore.bounds.enclosing import has_coulomb  # of brackets only
+
             return has_coulomb(self.outcomes[0].run.problem())
         except Exception:  # of others, at parameters of others: then nothing is proven from below
             return True

@@ -1,5 +1,7 @@
 """Programs of the runs of a comparison as files next to its report, with their minima."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 import csv
 import hashlib
 import shutil
@@ -25,7 +27,6 @@ from verification.campaigns.instances import (
 )
 from verification.case import is_of_lacore
 from verification.defaults import cores
-from verification.evidence.span_nodes import as_solved
 from verification.perform.pool import answers
 from verification.runs.commands import INSTANCES, commands_of
 from verification.runs.outcome import Outcome
@@ -196,6 +197,8 @@ def _proven(source: Source, problem: la.Problem) -> tuple[la.Discretisation, Kno
     outcome, stated = source.outcome, la.discretise(problem)
     if not _may_prove(outcome):
         return stated, None
+    from verification.evidence.span_nodes import as_solved
+
     stated = as_solved(problem, stated, outcome.evidence)
     if not stated.program.associated_flow and outcome.row.coupling != ASSOCIATED:
         return stated, None

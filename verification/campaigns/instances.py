@@ -148,7 +148,7 @@ def table_of(rows: Sequence[Instance]) -> pd.DataFrame:
     return pd.DataFrame([asdict(row) for row in rows], columns=list(Instance.__annotations__))
 
 
-def _solved(problem: la.Problem) -> la.LimitState:
+def _solved(problem: "la.Problem") -> "la.LimitState":
     """The state of the associated problem, by the exact backend with the smallest residual.
 
     Others than the default one are tried only until the residual is small enough.
@@ -174,7 +174,7 @@ def _exact_backends() -> list[str]:
     ]
 
 
-def _residual(state: la.LimitState) -> float:
+def _residual(state: "la.LimitState") -> float:
     """The largest residual of a certificate; NaN without one."""
     return state.certificate.worst[1] if state.certificate is not None else float("nan")
 
@@ -188,7 +188,7 @@ def _written(
     return write(run, state.discretisation, known_of(state, code_of(run)), by, out)
 
 
-def known_of(state: la.LimitState, code: str) -> Known:
+def known_of(state: "la.LimitState", code: str) -> Known:
     """Return what a state of the associated problem proves, computed by some code."""
     return Known(
         status=state.status.name,
@@ -201,7 +201,7 @@ def known_of(state: la.LimitState, code: str) -> Known:
 
 
 def write(
-    run: Run, stated: la.Discretisation, known: Known, by: Mapping[str, Writes], out: Path
+    run: Run, stated: "la.Discretisation", known: Known, by: Mapping[str, Writes], out: Path
 ) -> list[Instance]:
     """Write the associated program of a run in each format, and return the rows of the index.
 

@@ -8,7 +8,6 @@ from typing import Any, get_args, get_type_hints
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.coupling.run import CouplingOptions
 from lacore.errors import InputError, suggest
 from verification.campaigns.axis import ALIASES, KINDS, Axis, read_value
 from verification.case import Case, Variant
@@ -40,6 +39,8 @@ def sizes(case: Case) -> dict[str, type]:
 
 def settings() -> dict[str, type]:
     """Of the coupling loops."""
+    from lacore.coupling.run import CouplingOptions  # loads all loops
+
     return _fields(CouplingOptions)
 
 

@@ -127,8 +127,10 @@ def compare(
       lacore compare prandtl-punch --option clarabel.tolerance=1e-2,1e-4,1e-6,1e-8
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
-    from verification import analysis, progress
+    from verification import progress
+    from verification.analysis.couplings import couplings as by_coupling
     from verification.analysis.noise import noise
+    from verification.analysis.profiles import rates
     from verification.analysis.settings import settings
     from verification.analysis.summary import summaries
     from verification.campaigns import comparison, overview
@@ -187,8 +189,8 @@ def compare(
             "cases": [one.record() for one in summaries(outcomes)],
             "settings": settings(runs).to_dict("records"),
             "noise": noise(results).record(),
-            "rates": analysis.rates(results, ["backend"]).to_dict("records"),
-            "couplings": analysis.couplings(results).to_dict("records"),
+            "rates": rates(results, ["backend"]).to_dict("records"),
+            "couplings": by_coupling(results).to_dict("records"),
             "report": str(page),
             "machine": about,
             "rows": rows,
@@ -202,9 +204,9 @@ def compare(
             tables.show_results(console, outcomes)
         else:
             screen.show_overview(console, summaries(outcomes))
-        screen.show_rates(console, analysis.rates(results, ["backend"]))
+        screen.show_rates(console, rates(results, ["backend"]))
         if couplings:
-            tables.show_couplings(console, analysis.couplings(results))
+            tables.show_couplings(console, by_coupling(results))
         screen.show_end(console, count.text, places, after)
     checked = count.passed + count.bound_only
     if not checked:

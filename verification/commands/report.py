@@ -112,7 +112,7 @@ def manual(
     is the name of a case. Without CASE, all cases that have results are shown.
     """
     from verification.commands import screen, tables
-    from verification.report.reporting import write_manual
+    from verification.report.manual import write_manual
     from verification.store.results import load_outcomes
     from verification.verdicts.tally import tally
 

@@ -1,18 +1,23 @@
 """The summary on the terminal: a line for each case, what fell short and why, where the rest is."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 import pandas as pd
 from rich.console import Console
 
-from verification.analysis.history import History
 from verification.analysis.summary import DISCRETE, Shortfall, VariantSummary
 from verification.case import SOLVER
 from verification.commands.tables import print_line
-from verification.store.versions import Version
 from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
+
+if TYPE_CHECKING:
+    from verification.analysis.history import History
+    from verification.store.versions import Version
 
 LINES = 60
 """That an answer takes at most."""

@@ -192,7 +192,8 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     import pandas as pd
 
     # Here, because it takes most of a second that other sweeps need not wait for.
-    from verification.analysis import regularisation_slopes, with_exact
+    from verification.analysis.exact import with_exact
+    from verification.analysis.slopes import regularisation_slopes
 
     joined = with_exact(_results(out, outcomes))
     found = pd.concat([regularisation_slopes(joined, name) for name in varied])
@@ -204,7 +205,7 @@ def _orders(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     if len({o.run.parameters["steps"] for o in outcomes if o.run.case.path is not None}) < 2:
         return []
     # Here, because it takes most of a second that other sweeps need not wait for.
-    from verification.analysis import step_orders
+    from verification.analysis.stepping import step_orders
 
     return step_orders(_results(out, outcomes)).to_dict("records")  # type: ignore[return-value]
 

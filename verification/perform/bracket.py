@@ -18,10 +18,10 @@ from verification.evidence.bracket import Shares, packed_shares
 from verification.evidence.limit_state import records
 from verification.perform.irregular import irregular
 from verification.runs.outcome import Evidence, Outcome
-from verification.runs.row import Row
+from verification.runs.row import STRICT, Row
 from verification.runs.run import Run
 from verification.verdicts.allowed import about
-from verification.verdicts.bracket import STRICT, between, judge_bracket
+from verification.verdicts.bracket import between, judge_bracket
 
 _LIMIT = 600.0  # s, where none is given
 _PART = 0.8  # of the time limit; what follows the bracket takes the rest

@@ -9,8 +9,8 @@ import numpy as np
 
 import lacore as la
 from lacore.coupling.run import PATH
-from lacore.inner.preparing import JUDGE
 from lacore.limit.solve import solve
+from lacore.solvers.registry import JUDGE
 from verification.case import Band, Reference
 from verification.defaults import RAW
 from verification.evidence.limit_state import evidence_of

@@ -1,5 +1,7 @@
 """One run, whatever it is of: its problem assembled, its row, and what stands for a lost one."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -10,11 +12,6 @@ import lacore as la
 from lacore.errors import BackendError
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
-from verification.fuzz.run import run_random
-from verification.perform.bracket import run_bracket
-from verification.perform.limit_state import run_limit_state
-from verification.perform.path import run_path
-from verification.perform.ranging import run_range
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
@@ -81,18 +78,7 @@ def outcome_of(
     names["n_dofs"] = discretisation.program.n
     names["build_time"] = assembled.build_time
     try:
-        reference = run.case.reference_of(run.variant)
-        names |= about(reference)
-        band = run.case.band_of(run.variant, discretisation.n_elements)
-        if run.skip:
-            return _skipped(run, names, run.skip)
-        if run.coupling == BRACKET:
-            return run_bracket(run, names, discretisation.problem, time_limit, memory)
-        if run.coupling == RANGE:
-            return run_range(run, names, discretisation, reference, band, memory)
-        if run.case.path is not None:
-            return run_path(run, names, discretisation, reference, band, time_limit, memory)
-        return run_limit_state(run, names, discretisation, reference, band, time_limit, memory)
+        return _performed(run, names, discretisation, time_limit, memory)
     except la.CapabilityError as error:
         return _skipped(run, names, str(error))
     except la.InputError as error:
@@ -106,7 +92,39 @@ def outcome_of(
         return Outcome(run, _failed(names, error))
 
 
+def _performed(
+    run: Run,
+    names: dict[str, Any],
+    discretisation: la.Discretisation,
+    time_limit: float | None,
+    memory: Callable[[], float],
+) -> Outcome:
+    """Perform a run, and add its reference to `names`; other kinds of runs are not imported."""
+    reference = run.case.reference_of(run.variant)
+    names |= about(reference)
+    band = run.case.band_of(run.variant, discretisation.n_elements)
+    if run.skip:
+        return _skipped(run, names, run.skip)
+    if run.coupling == BRACKET:
+        from verification.perform.bracket import run_bracket
+
+        return run_bracket(run, names, discretisation.problem, time_limit, memory)
+    if run.coupling == RANGE:
+        from verification.perform.ranging import run_range
+
+        return run_range(run, names, discretisation, reference, band, memory)
+    if run.case.path is not None:
+        from verification.perform.path import run_path
+
+        return run_path(run, names, discretisation, reference, band, time_limit, memory)
+    from verification.perform.limit_state import run_limit_state
+
+    return run_limit_state(run, names, discretisation, reference, band, time_limit, memory)
+
+
 def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Outcome:
+    from verification.fuzz.run import run_random
+
     try:
         return run_random(run, names, memory)
     except Exception as error:  # of a check: its row says so

@@ -3,11 +3,9 @@
 import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import replace
-from math import nan
 from queue import SimpleQueue
-from traceback import print_exception
 from typing import Protocol
 
 import lacore as la
@@ -17,27 +15,22 @@ from lacore.solvers.child_process import (
     START,
     ChildProcess,
     LostError,
-    forget_peak_memory,
-    peak_memory,
 )
-from lacore.solvers.isolation import IsolatedBackend, release_processes
+from lacore.solvers.isolation import release_processes
 from lacore.solvers.process_log import ProcessLog
-from lacore.solvers.registry import load_backend
 from lacore.solvers.served_process import ISOLATE, WARM_UP
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
-from verification.perform.calibration import Calibration
-from verification.perform.compile_times import with_compile_time
-from verification.perform.one_run import Assembled, assemble, lost, outcome_of
+from verification.perform.one_run import lost
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
-from verification.runs.run import FUZZ, Run
+from verification.runs.run import Run
 
 _TRACED = {"PYTHONFAULTHANDLER": "1"}  # a crash leaves a traceback in the log of its run
 _JUDGING = {ISOLATE: "all"}  # backends only solve, each in a process of its own
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of processes that share the cores."""
-_WORKER = "verification.perform.processes:Worker"
+_WORKER = "verification.perform.worker:Worker"
 _ATTEMPTS = 2  # a process may have been killed by somebody else
 
 OnStart = Callable[[Run], None]
@@ -50,55 +43,6 @@ class Executor(Protocol):
         self, runs: Sequence[Run], *, time_limit: float, on_start: OnStart
     ) -> Generator[Outcome, None, None]:
         """Outcomes as they come; closing the generator stops what is at work."""
-
-
-class Worker:
-    """In the process: one run after the other; neighbours of one problem share its assembly."""
-
-    def __init__(self) -> None:
-        self._key: tuple[object, ...] = ()
-        self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
-        self._calibration = Calibration()
-        self._calibrated = nan
-
-    def open(self, backend: str) -> None:
-        """Start the process of a backend, which imports and compiles it.
-
-        What goes wrong is for `row_of`.
-        """
-        with suppress(la.LacoreError):
-            found = load_backend(backend)
-            if isinstance(found, IsolatedBackend):
-                found.start()
-        self._calibrated = self._calibration.seconds()
-
-    def row_of(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
-        """Row and evidence of a run; `time_limit`: s, of each inner solve."""
-        forget_peak_memory()
-        if run.coupling != FUZZ and run.problem_key != self._key:
-            self._key, self._assembled = run.problem_key, assemble(run)
-        if run.skip:  # its backend may be one that hangs while it is loaded
-            skipped = outcome_of(run, self._assembled)
-            return skipped.row, skipped.evidence
-        outcome = outcome_of(run, self._assembled, time_limit, peak_memory, print_exception)
-        row, note = with_compile_time(outcome.row), _note(run.backend)
-        row = replace(
-            row,
-            calibration_before=self._calibrated,
-            calibration_after=self._calibration.seconds(),
-        )
-        if note:
-            row = replace(row, message="; ".join(filter(None, (row.message, note))))
-        return row, outcome.evidence
-
-
-def _note(backend: str) -> str:
-    """Why the process of a backend was replaced during a run; empty if it was not."""
-    try:
-        found = load_backend(backend)
-    except la.CapabilityError:  # the row says so
-        return ""
-    return found.process.take_note() if isinstance(found, IsolatedBackend) else ""
 
 
 class RunProcess(ChildProcess):

@@ -5,21 +5,14 @@ from dataclasses import asdict
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
-from skfem import MeshTet, MeshTri
 
-from lacore.adaptive.bracket import BODY, POLYGON, heading
-from lacore.pictures.bracket import plot_shares
-from lacore.status import Rigor
-from verification.analysis import fit_slope
+from verification.analysis.slopes import fit_slope
 from verification.case.bracketing import BRACKET
-from verification.evidence.bracket import Shares, unpacked_shares
 from verification.report.blocks import Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted
 from verification.report.columns import Column
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
 from verification.runs.outcome import Outcome
-from verification.runs.row import Row
 
 _WIDTH = Axis("width", "(upper − lower)/mean")
 _CLOSE = 0.05  # widths above it say nothing of the order yet
@@ -44,36 +37,6 @@ def brackets_table(results: pd.DataFrame) -> Table:
         Column("solve_time", "solve time, s", ".2f"),
     )
     return Table(columns, with_certificates(results), anchor=RUN, caption="Lower and upper bounds")
-
-
-def stored_shares(outcome: Outcome) -> tuple[Shares, Shares]:
-    """Restore the meshes of the upper and of the lower bound, with the shares of their elements.
-
-    Raises:
-        ValueError: The evidence is not that of a bracket.
-    """
-    found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
-    if not {"upper", "lower"} <= set(found):
-        raise ValueError("one of the meshes is missing")
-    return found["upper"], found["lower"]
-
-
-def drawn_bracket(row: Row, above: Shares, below: Shares) -> Figure:
-    """Draw both meshes of a stored bracket."""
-    bounded = POLYGON if row.rigor == Rigor.DISCRETE.label else BODY
-    return plot_shares(
-        heading(row.lower, row.upper, row.width, row.message, bounded),
-        mesh_of(above),
-        above.shares,
-        mesh_of(below),
-        below.marks,
-    )
-
-
-def mesh_of(shares: Shares) -> MeshTri | MeshTet:
-    """Make the mesh of stored shares."""
-    made = {2: MeshTri, 3: MeshTet}[len(shares.points)]
-    return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
 
 
 def widths(outcome: Outcome) -> pd.DataFrame:

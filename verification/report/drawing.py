@@ -1,29 +1,25 @@
 """The pictures of a report: which ones it shows; they are drawn in separate processes."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
 
-from matplotlib.figure import Figure
-
-from lacore import views
-from lacore.pictures.thumbnails.bracket import thumbnail_of_shares
-from lacore.pictures.thumbnails.paper import DPI
-from lacore.pictures.thumbnails.path import thumbnail_of_shape
-from verification.case import Case, Variant, is_of_lacore
+from verification.case import Case, is_of_lacore
 from verification.case.bracketing import BRACKET
-from verification.case.sketches import sketch_of, sketched
 from verification.catalogue.checks import said
-from verification.evidence.limit_state import restored
-from verification.evidence.path import last_shape
 from verification.perform.pool import answers
 from verification.report.blocks import Picture, Text
-from verification.report.bracket import drawn_bracket, mesh_of, stored_shares
 from verification.report.charts.figures import finest_exact, png
-from verification.report.charts.theme import freeze
 from verification.report.columns import slug
 from verification.runs.outcome import Outcome
 from verification.verdicts.words import FAIL
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOST = 4
 """Number of mechanisms, and of brackets, of each case in a report of a few cases."""
@@ -31,6 +27,7 @@ _FEW = 48  # pictures: half a minute of one core
 _LIMIT = 120.0  # s, of a picture
 _DPI = 90
 _WORKER = "verification.report.drawing:Painter"
+_MAKERS = "verification.report.stored_figures"
 
 Drawn = Mapping[str, Picture | Text]
 """Pictures by name; for those that cannot be drawn, the reason."""
@@ -89,7 +86,7 @@ def mechanisms(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
             f"{slug(outcome.run.case.id)}-{slug(name)}",
             f"Collapse mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}",
             outcome.run.case,
-            partial(_mechanism, outcome),
+            partial(_made, "mechanism", outcome),
         )
         for name, outcome in shown[:most]
     ]
@@ -103,7 +100,7 @@ def brackets(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
             f"{slug(outcome.run.case.id)}-{slug(outcome.run.variant.name)}-bracket",
             f"Bracket of {outcome.run.variant.name}: contributions of the elements to the gap",
             outcome.run.case,
-            partial(_bracket, outcome),
+            partial(_made, "bracket", outcome),
         )
         for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:most]
     ]
@@ -121,7 +118,7 @@ def sketch(case: Case, outcomes: Sequence[Outcome] = ()) -> Subject:
         f"{slug(case.id)}-sketch",
         f"Problem of {variant.name}: supports, contact, loads",
         case,
-        partial(_sketch, case, variant, next(iter(paths), None)),
+        partial(_made, "sketch", case, variant, next(iter(paths), None)),
     )
 
 
@@ -131,34 +128,16 @@ def thumbnail_of(subject: Subject, drawn: Drawn) -> Picture | None:
     return found.thumbnail if isinstance(found, Picture) else None
 
 
-def _sketch(case: Case, variant: Variant, path: Outcome | None) -> Figures:
-    problem = sketched(case, variant)
-    if path is None:
-        small = views.thumbnail(problem)
-    else:
-        stage, shape = last_shape(path.run, path.evidence)
-        small = thumbnail_of_shape(stage, stage, shape)
-    return Figures(sketch_of(case, problem), small)
-
-
-def _mechanism(outcome: Outcome) -> Figures:
-    """Draw a stored state."""
-    state = restored(outcome.run, outcome.row, outcome.evidence)
-    figure = state.plot()
-    freeze(figure, lay_out=False)  # laying it out once more would take as long as all else
-    return Figures(figure, views.thumbnail(state))
-
-
-def _bracket(outcome: Outcome) -> Figures:
-    above, below = stored_shares(outcome)
-    return Figures(
-        drawn_bracket(outcome.row, above, below),
-        thumbnail_of_shares(mesh_of(above), above.shares),
-    )
+def _made(name: str, *arguments: Any) -> Figures:
+    """Make figures by a function of `stored_figures`, which only the process that draws imports."""
+    figures: Figures = resolve_name(f"{_MAKERS}:{name}")(*arguments)
+    return figures
 
 
 def painted(subject: Subject) -> Picture | Text:
     """Draw a subject, or say why it cannot be drawn."""
+    from lacore.pictures.thumbnails.paper import DPI
+
     try:
         made = subject.draw()
         small = None

@@ -4,9 +4,11 @@ A page contains what is needed to check a case with pencil and paper, and the re
 """
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import pandas as pd
 
+from verification import progress
 from verification.case import KINDS, Case, Variant
 from verification.report.blocks import (
     Block,
@@ -23,16 +25,45 @@ from verification.report.blocks import (
 )
 from verification.report.columns import Column
 from verification.report.description import counted, lead
-from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
-from verification.report.files import INDEX, case_files
+from verification.report.drawing import Drawn, Subject, brackets, mechanisms, most_for, sketch
+from verification.report.files import INDEX, case_files, write
 from verification.report.overview import answers, cards, filters, first_thumbnail
 from verification.report.page import explained, results_frame, results_of
+from verification.report.reporting import pictures_of
 from verification.report.tables import VERDICTS
 from verification.runs.outcome import Outcome
+from verification.store.store import file_of, sessions
 from verification.verdicts.tally import tally
+from verification.verify import load_checks
 
 _NO_KIND = "others"
 _UP = Page("All cases", INDEX)
+
+
+def write_manual(
+    cases: Sequence[Case],
+    outcomes: Sequence[Outcome],
+    results: Path,
+    folder: Path,
+    most: int | None = None,
+) -> Path:
+    """Draw and write the manual of cases; returns the path of its index.
+
+    Args:
+        cases: in the order of the manual.
+        outcomes: of any cases.
+        results: folder that they, and the checks of `lacore verify`, are from.
+        folder, most: as of `write_report`.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    each = most_for(2 * len(cases)) if most is None else most  # of each the problem is drawn, too
+    drawn = pictures_of(subjects(cases, outcomes, each))
+    about = list(sessions(file_of(results)).values())[-1]
+    with progress.status("writing the pages"):
+        found = manual(cases, outcomes, load_checks(results), about, drawn)
+        return write(found, folder)
 
 
 def subjects(cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> list[Subject]:

@@ -7,7 +7,6 @@ from math import isfinite
 
 import pandas as pd
 
-from verification.analysis import couplings
 from verification.analysis.settings import settings
 from verification.case import EXACT, SOLVER, Case
 from verification.case.beside import RANGE
@@ -30,7 +29,6 @@ from verification.report.blocks import (
     Picture,
     Report,
     Section,
-    Table,
     Tally,
     Text,
 )
@@ -40,9 +38,7 @@ from verification.report.columns import Column
 from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
-from verification.report.limit_state import results_table, times_table
 from verification.report.overview import answers, cards, filters, first_thumbnail, solver_filter
-from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.measurement import noise_section, settings_section
 from verification.report.studies.sections import solvers, studies
@@ -50,7 +46,10 @@ from verification.report.tables import (
     RUN,
     certificates_table,
     commands,
+    couplings_table,
     reasons_table,
+    results_table,
+    times_table,
     with_programs,
 )
 from verification.runs.commands import INSTANCES, commands_of
@@ -192,7 +191,7 @@ def _more(
     links = [Page(section.title, file) for file, section in pages.items()]
     return [
         *([Section("studies", "Studies", [Pages(links)])] if links else []),
-        Section("couplings", "Couplings and backends", [_couplings_table(results)]),
+        Section("couplings", "Couplings and backends", [couplings_table(results)]),
         settings_section(outcome.run for outcome in outcomes),
         noise_section(results),
         Section("verdicts", "How a verdict is reached", [Details("Rules", [_rules()])]),
@@ -287,19 +286,6 @@ def _tally(count: Verdicts) -> Tally:
     return Tally(counts + [own for own in rare if own.number])
 
 
-def _couplings_table(results: pd.DataFrame) -> Table:
-    columns = (
-        Column("coupling"),
-        Column("backend"),
-        Column("solved", "certified", ".0f"),
-        Column("cases", "cases", ".0f"),
-        Column("median", "inner solves, median", "g"),
-        Column("most", "inner solves, maximum", "g"),
-        Column("failed", "FAIL", ".0f"),
-    )
-    return Table(columns, couplings(results))
-
-
 def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
     """Write the page of a case."""
     results = [
@@ -351,6 +337,8 @@ def results_of(
         blocks.append(results_table(results[~(proven | ranges)]))
         blocks.append(Details("Times", [times_table(results[~(proven | ranges)])]))
     if case.path is not None:
+        from verification.report.path import paths_table  # not imported for other cases
+
         blocks.append(paths_table(results))
     blocks.append(Details("Reasons for the verdicts", [reasons_table(results)]))
     certificates = certificates_table(results)
@@ -388,9 +376,12 @@ def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
     if chart is not None:
         text = f"Load factor against {case.sweep}, finest mesh of each backend"
         yield Drawing(f"{case.id}-sweep", text, chart)
-    paths = path_chart(case, outcomes) if case.path is not None else None
-    if paths is not None:
-        yield paths
+    if case.path is not None:
+        from verification.report.path import path_chart  # not imported for other cases
+
+        paths = path_chart(case, outcomes)
+        if paths is not None:
+            yield paths
     widths = widths_chart(outcomes)
     if widths is not None:
         yield widths

@@ -16,7 +16,7 @@ from pathlib import Path
 import lacore as la
 from lacore import __version__
 from lacore.backend import load_backend
-from lacore.inner.preparing import JUDGE
+from lacore.solvers.registry import JUDGE
 from verification.runs.run import FUZZ, Run, canonical
 
 PACKAGES = (

@@ -15,16 +15,13 @@ from math import isfinite, isnan
 from typing import Any
 
 import lacore as la
-from lacore.adaptive.bracket import Step
 from lacore.certificate import Certificate
 from lacore.paths.ending import Ending
-from lacore.paths.path import PathStep
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
-from verification.runs.row import Row
+from verification.runs.row import STRICT, Row
 from verification.runs.run import FUZZ
 from verification.store.logs import FILE
-from verification.verdicts.bracket import STRICT
 from verification.verdicts.words import (
     BOUND_ONLY,
     FAIL,
@@ -57,10 +54,8 @@ _IDENTITY: Mapping[str, type] = {
     **dict.fromkeys(("parameters", "size", "settings", "options"), dict),
 }
 _OF_LOOPS = {"inner_status", "inner_iterations", "solve_time", "peak_memory"}
-_OF_BRACKETS = {entry.name for entry in fields(Step)}
 _OF_RANGES = {"status", "load_factor", "gap", "solves"}
 _SINCE_0_4 = {"overlap"}  # of paths; results of earlier versions can be read without it
-_OF_PATHS = {*(entry.name for entry in fields(PathStep)), "exact"} - _SINCE_0_4
 
 
 class WrongFieldError(ValueError):
@@ -243,13 +238,17 @@ def _check_together(
     if row.coupling != (identity["coupling"] or row.coupling):
         raise WrongFieldError("row.coupling", "is not that of its identity")
     if row.coupling == BRACKET:
-        _check_history(history, _OF_BRACKETS)
+        from lacore.adaptive.bracket import Step  # not imported for other runs
+
+        _check_history(history, {entry.name for entry in fields(Step)})
         _check_bracket(row, history)
     elif row.coupling == RANGE:
         _check_history(history, _OF_RANGES)
         _check_range(row, history)
     elif row.ending:
-        _check_history(history, _OF_PATHS)
+        from lacore.paths.path import PathStep  # not imported for other runs
+
+        _check_history(history, {*(entry.name for entry in fields(PathStep)), "exact"} - _SINCE_0_4)
         _check_path(row, history)
     elif history:
         _check_history(history, _OF_LOOPS)

@@ -3,16 +3,12 @@
 from dataclasses import replace
 from math import inf, isfinite
 
-import lacore as la
 from lacore.adaptive.bracket import width
 from verification.case import Band, Reference
 from verification.case.bracketing import PROVEN, Bracketing
-from verification.runs.row import Row
+from verification.runs.row import STRICT, Row
 from verification.verdicts.allowed import cannot_judge
 from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
-
-STRICT = f"{la.Rigor.LOWER.label}, {la.Rigor.UPPER.label}"
-"""Label of brackets of the continuum."""
 
 
 def between(reference: Reference, coulomb: bool) -> Reference:

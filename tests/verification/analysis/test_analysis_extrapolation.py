@@ -9,7 +9,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tests.verification.analysis.test_analysis_slopes import R, law, made
-from verification.analysis import hermite_limit, lambda_limits, refinement_limits, richardson
+from verification.analysis.extrapolation import (
+    hermite_limit,
+    lambda_limits,
+    refinement_limits,
+    richardson,
+)
 
 
 @given(

@@ -5,9 +5,8 @@ import pytest
 
 import lacore as la
 from tests.verification.analysis.test_analysis_profiles import results
-from verification.analysis import pairwise_outcomes
 from verification.analysis.noise import Noise
-from verification.analysis.pairs import OUTCOMES
+from verification.analysis.pairs import OUTCOMES, pairwise_outcomes
 
 EXACT = Noise(10, 1.0, 0.0, 1.0)
 UNKNOWN = Noise(0, np.nan, np.nan, np.nan)

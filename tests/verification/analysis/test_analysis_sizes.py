@@ -5,14 +5,15 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis import (
+from verification.analysis.sizes import (
     accuracies,
     answers,
     rates_by_size,
     residual_means,
     separate_residual_means,
+    size_classes,
+    with_size_classes,
 )
-from verification.analysis.sizes import size_classes, with_size_classes
 
 HELPER = "lacore (path following)"
 RUNS = [

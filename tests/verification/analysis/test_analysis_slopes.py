@@ -8,13 +8,8 @@ from hypothesis import strategies as st
 
 import lacore as la
 from tests.verification.analysis.analysis_rows import DECADES
-from verification.analysis import (
-    fit_slope,
-    refinement_orders,
-    regularisation_slopes,
-    slopes,
-    with_exact,
-)
+from verification.analysis.exact import with_exact
+from verification.analysis.slopes import fit_slope, refinement_orders, regularisation_slopes, slopes
 
 R = np.array(DECADES)
 

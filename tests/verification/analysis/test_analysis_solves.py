@@ -9,13 +9,9 @@ import pytest
 import lacore as la
 from tests.shares import one_in
 from tests.verification.analysis.analysis_rows import DECADES, row_of, sweep
-from verification.analysis import (
-    lambda_limits,
-    refinement_limits,
-    refinement_orders,
-    regularisation_slopes,
-    with_exact,
-)
+from verification.analysis.exact import with_exact
+from verification.analysis.extrapolation import lambda_limits, refinement_limits
+from verification.analysis.slopes import refinement_orders, regularisation_slopes
 from verification.catalogue.catalogue import find
 
 ERRORS = ["error_alpha_reg", "error_lambda"]

@@ -9,9 +9,8 @@ from verification.analysis.summary import CONTINUUM, DISCRETE, percent, summarie
 from verification.campaigns.comparison import planned
 from verification.catalogue.catalogue import find
 from verification.runs.outcome import Outcome
-from verification.runs.row import Row
+from verification.runs.row import STRICT, Row
 from verification.verdicts.allowed import about, distance
-from verification.verdicts.bracket import STRICT
 from verification.verdicts.limit_state import judge
 from verification.verdicts.tally import tally
 from verification.verdicts.words import (

@@ -11,7 +11,7 @@ from rich.console import Console
 
 import lacore as la
 from verification import progress
-from verification.analysis import rates
+from verification.analysis.profiles import rates
 from verification.analysis.summary import summaries
 from verification.campaigns.comparison import capabilities, is_regularised, plan
 from verification.campaigns.overview import LARGE, everything, overview, variants

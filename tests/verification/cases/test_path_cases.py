@@ -12,7 +12,7 @@ from lacore.arrays import Floats
 from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.paths.ending import Ending
 from tests.shares import one_in
-from verification.analysis import step_orders
+from verification.analysis.stepping import step_orders
 from verification.campaigns.comparison import plan
 from verification.campaigns.sweep import plan as sweep
 from verification.case import Band, Reference

@@ -17,8 +17,8 @@ from verification.commands import cli
 from verification.fuzz.programs.drawn import draw_program
 from verification.fuzz.programs.judge import RIGHT, WRONG
 from verification.fuzz.programs.sweep import rows_of
+from verification.runs.row import STRICT
 from verification.store.results import load_results
-from verification.verdicts.bracket import STRICT
 from verification.verdicts.words import FAIL, PASS, SKIPPED
 
 SOME = (

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from lacore import InputError
-from verification.analysis import Slope
+from verification.analysis.slopes import Slope
 from verification.report import document, files
 from verification.report.blocks import (
     Details,

@@ -37,8 +37,7 @@ from verification.report.charts.axes import ERROR
 from verification.report.charts.figures import png
 from verification.report.columns import Anchor, Column, slug
 from verification.report.description import description, lead
-from verification.report.limit_state import results_table
-from verification.report.tables import certificates_table, reasons_table
+from verification.report.tables import certificates_table, reasons_table, results_table
 
 HOSTILE = (
     "<script>window.owned = 1</script>\"'><img src=x onerror='window.owned = 1'>"

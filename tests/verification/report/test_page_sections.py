@@ -9,12 +9,11 @@ from tests.shares import one_in
 from tests.verification.report.test_page import HOSTILE, Parsed, rendered
 from verification.report.blocks import Details, Document, Gallery, Section
 from verification.report.charts.lines import with_lines
-from verification.report.limit_state import results_table
 from verification.report.studies import single_solves
 from verification.report.studies.convergence import refinement_section, regularisation_section
 from verification.report.studies.single_solves import single_solves_section
 from verification.report.studies.solvers import effort_section, solvers_section
-from verification.report.tables import certificates_table, reasons_table
+from verification.report.tables import certificates_table, reasons_table, results_table
 
 STAR = 2.0
 R = [10 ** (-k / 2) for k in range(2, 11)]

@@ -9,7 +9,8 @@ import pytest
 
 import lacore as la
 from verification import conformance
-from verification.analysis import couplings, rates
+from verification.analysis.couplings import couplings
+from verification.analysis.profiles import rates
 from verification.campaigns.comparison import plan
 from verification.case import UNKNOWN_KINDS, Band, Order, Reference
 from verification.case.bracketing import Bracketing
@@ -21,10 +22,10 @@ from verification.evidence.bracket import Shares, packed_shares
 from verification.evidence.limit_state import Proof
 from verification.perform.one_run import run_here
 from verification.runs.outcome import Evidence, Outcome
-from verification.runs.row import Row
+from verification.runs.row import STRICT, Row
 from verification.store.results import as_table
 from verification.verdicts.allowed import Allowed
-from verification.verdicts.bracket import STRICT, judge_bracket
+from verification.verdicts.bracket import judge_bracket
 from verification.verdicts.limit_state import judge
 from verification.verdicts.path import judge_path, largest_error
 from verification.verdicts.tally import tally

@@ -11,8 +11,8 @@ from verification.campaigns.comparison import plan
 from verification.catalogue.catalogue import catalogue
 from verification.commands.tables import show_results
 from verification.perform.one_run import run_here
-from verification.report.limit_state import results_table
 from verification.report.page import results_frame
+from verification.report.tables import results_table
 from verification.store.results import as_table
 
 HELD = "block-incline-vertical:rough-pulled"

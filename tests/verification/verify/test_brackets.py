@@ -16,15 +16,16 @@ import verification.catalogue.plugins as plugins
 from lacore.adaptive.refine import width
 from lacore.meshes.checks import quality
 from tests.verification.command_line import lacore
-from verification.analysis import fit_slope
+from verification.analysis.slopes import fit_slope
 from verification.case import UNKNOWN, Reference
 from verification.case.bracketing import BRACKET, Bracketing
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.evidence.bracket import packed_shares, unpacked_shares
 from verification.perform.irregular import irregular
 from verification.perform.one_run import run_here
-from verification.report.bracket import stored_shares, widths, widths_chart
+from verification.report.bracket import widths, widths_chart
 from verification.report.drawing import brackets, painted
+from verification.report.stored_figures import stored_shares
 from verification.store.results import load_results
 from verification.verdicts.bracket import between
 from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED

@@ -20,13 +20,14 @@ from lacore.backend import (
 from lacore.claims.judged import judged_claim
 from lacore.errors import CapabilityError, LacoreError
 from lacore.inner.left_over import left_over
-from lacore.inner.preparing import JUDGE, preparing
+from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.solvers.child_process import ENDED
 from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
 from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
+from lacore.solvers.registry import JUDGE
 from lacore.status import Status
 from verification.fuzz.programs.drawn import Drawn
 

@@ -5,14 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from verification.analysis import (
-    refinement_orders,
-    regularisation_slopes,
-    step_orders,
-    with_exact,
-)
 from verification.analysis.columns import groups, problem_columns, solver_columns
-from verification.analysis.stepping import STEPS
+from verification.analysis.exact import with_exact
+from verification.analysis.slopes import refinement_orders, regularisation_slopes
+from verification.analysis.stepping import STEPS, step_orders
 from verification.report.blocks import Block, Details, Drawing, Gallery, Section, Table, Text
 from verification.report.charts import axes
 from verification.report.charts.axes import Axis

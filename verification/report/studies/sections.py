@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
+from verification.analysis.extrapolation import lambda_limits
 from verification.analysis.settings import with_settings
 from verification.report.blocks import Block, Details, Section, Table, Text
 from verification.report.columns import Column

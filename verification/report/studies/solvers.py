@@ -3,24 +3,27 @@
 import numpy as np
 import pandas as pd
 
-from verification.analysis import (
-    accuracies,
-    answers,
+from verification.analysis.effort import costs_of_accuracy, efforts
+from verification.analysis.noise import noise
+from verification.analysis.pairs import pairwise_outcomes
+from verification.analysis.profiles import (
+    Costs,
     costs,
-    costs_of_accuracy,
     data_profile,
-    efforts,
-    pairwise_outcomes,
     performance_profile,
     rates,
+    shifted_geometric_means,
+)
+from verification.analysis.sizes import (
+    RESIDUAL_SHIFT,
+    RESIDUALS,
+    UNKNOWNS,
+    accuracies,
+    answers,
     rates_by_size,
     residual_means,
     separate_residual_means,
-    shifted_geometric_means,
 )
-from verification.analysis.noise import noise
-from verification.analysis.profiles import Costs
-from verification.analysis.sizes import RESIDUAL_SHIFT, RESIDUALS, UNKNOWNS
 from verification.report.blocks import (
     Block,
     Columns,
