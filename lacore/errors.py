@@ -15,6 +15,8 @@ from warnings import warn
 
 import numpy as np
 
+from lacore.reporting.text import text
+
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
 DISTRIBUTION = "lacore-limit-analysis"
@@ -27,6 +29,11 @@ _RANGE = (1e-60, 1e60)  # products of five such numbers, areas times strengths, 
 
 class LacoreError(Exception):
     """Base of every error that lacore raises on purpose."""
+
+    @property
+    def text(self) -> str:
+        """The message, with its quantities and names as values."""
+        return str(self)
 
 
 class InputError(LacoreError, ValueError):
@@ -45,8 +52,13 @@ class InputError(LacoreError, ValueError):
 
     def __init__(self, field: str, value: object, reason: str, fix: str) -> None:
         self.field, self.value, self.reason, self.fix = field, value, reason, fix
-        shown = "" if value is None else f" = {_short(value)}"
-        super().__init__(f"{field}{shown}: {reason}; {fix}")
+        super().__init__(str(self.text))
+
+    @property
+    def text(self) -> str:
+        """The message, with its quantities and names as values."""
+        shown = "" if self.value is None else f" = {_short(self.value)}"
+        return text("{}{}: {}; {}", self.field, shown, self.reason, self.fix)
 
     @property
     def why(self) -> str:

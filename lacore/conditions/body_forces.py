@@ -12,7 +12,8 @@ from lacore.arrays import Floats, Ints
 from lacore.conditions.where import where_name
 from lacore.errors import InputError, is_number, require_range
 from lacore.materials.fields import Field, called
-from lacore.showing import Compact, short
+from lacore.reporting.text import Quantity, text
+from lacore.showing import Compact
 
 Component = float | Sequence[float] | Callable[[Floats], Floats] | Field
 """N/m^3, a value for each element of a mesh or each block, or a function of place."""
@@ -81,8 +82,8 @@ class BodyForce(Compact):
     def told(self) -> str:
         """In a few words."""
         part = "" if self.where is None else f".{where_name(self.where)}"
-        said = short(self.vector) if self.uniform else f"({', '.join(map(_told, self.vector))})"
-        return f"{said} N/m^3 in {self.body}{part}"
+        own = Quantity(tuple(map(_told, self.vector)), "N/m^3", ".7g")
+        return text("{} in {}{}", own, self.body, part)
 
     def times(self, factor: float) -> BodyForce:
         """The same with another size."""
@@ -200,5 +201,5 @@ def _function(component: Component) -> bool:
     return callable(component.values if isinstance(component, Field) else component)
 
 
-def _told(component: Component) -> str:
-    return short(component) if is_number(component) else "varies"
+def _told(component: Component) -> float | str:
+    return component if is_number(component) else "varies"  # type: ignore[return-value]

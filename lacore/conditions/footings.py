@@ -13,7 +13,7 @@ from lacore.arrays import Floats
 from lacore.conditions.where import Where, where_name
 from lacore.errors import InputError, is_number, is_vector, require_place, require_range
 from lacore.reporting import terms
-from lacore.reporting.text import text
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact, short
 
 TURNS = ("x", "y", "z", "xy", "xz", "yz", "xyz")
@@ -52,7 +52,7 @@ class Footing(Compact):
     @property
     def name(self) -> str:
         """For messages: ``soil: footing``."""
-        return f"{self.body}: {where_name(self.where)}"
+        return text("{}: {}", self.body, where_name(self.where))
 
     @property
     def speeds(self) -> int:
@@ -186,9 +186,13 @@ class RigidFooting(Footing):
     def told(self) -> str:
         """In a few words."""
         turns = f", turning about {self.turning} at {short(self.through)}" if self.turning else ""
-        return (
-            f"footing on {self.body}.{where_name(self.where)} along {short(self.direction)},"
-            f" {short(self.pressure)} Pa{turns}"
+        return text(
+            "footing on {}.{} along {}, {}{}",
+            self.body,
+            where_name(self.where),
+            short(self.direction),
+            Quantity(self.pressure, "Pa", ".7g"),
+            turns,
         )
 
 
@@ -256,9 +260,12 @@ class Twist(Footing):
     @property
     def told(self) -> str:
         """In a few words."""
-        return (
-            f"torque {short(self.torque)} N m about {short(self.axis)} on"
-            f" {self.body}.{where_name(self.where)}"
+        return text(
+            "torque {} about {} on {}.{}",
+            Quantity(self.torque, "N m", ".7g"),
+            short(self.axis),
+            self.body,
+            where_name(self.where),
         )
 
 

@@ -25,6 +25,7 @@ from lacore.errors import (
     require_known,
     require_place,
 )
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact, short
 
 _ALL = {2: "xy", 3: "xyz"}
@@ -71,7 +72,7 @@ class Fix(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"{self.components} of {self.body}.{where_name(self.where)}"
+        return text("{} of {}.{}", self.components, self.body, where_name(self.where))
 
 
 def require_no_rotation(support: Fix, field: str) -> None:
@@ -111,7 +112,8 @@ class Traction(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"{short(self.vector)} Pa on {self.body}.{where_name(self.where)}"
+        own = Quantity(tuple(self.vector), "Pa", ".7g")
+        return text("{} on {}.{}", own, self.body, where_name(self.where))
 
     def on(self, normal: Floats) -> Floats:
         """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
@@ -143,7 +145,8 @@ class Pressure(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"pressure {short(self.value)} Pa on {self.body}.{where_name(self.where)}"
+        own = Quantity(self.value, "Pa", ".7g")
+        return text("pressure {} on {}.{}", own, self.body, where_name(self.where))
 
     def on(self, normal: Floats) -> Floats:
         """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
@@ -187,9 +190,9 @@ class PointForce(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        unit = "" if self.point is None else " m"
-        per = "N/m" if len(self.vector) == 2 else "N"
-        return f"{short(self.vector)} {per} at {short(self.at)}{unit} of {self.body}"
+        own = Quantity(tuple(self.vector), "N/m" if len(self.vector) == 2 else "N", ".7g")
+        at = short(self.at) if self.point is None else Quantity(tuple(self.point), "m", ".7g")
+        return text("{} at {} of {}", own, at, self.body)
 
 
 Load = (

@@ -11,8 +11,8 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.conditions.where import Where, where_name
 from lacore.errors import InputError, is_number, require_positive, require_range
-from lacore.reporting.text import Term, text
-from lacore.showing import Compact, short
+from lacore.reporting.text import Quantity, Term, text
+from lacore.showing import Compact
 
 WATER = 9.81e3
 """Unit weight of fresh water, N/m^3."""
@@ -53,7 +53,7 @@ class WaterTable(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"water at rest below y = {short(self.height)} m"
+        return text("water at rest below y = {}", Quantity(self.height, "m", ".7g"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,7 +110,7 @@ class PorePressure(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"{_told(self.pressure)} in the pores of {self.body}"
+        return text("{} in the pores of {}", _told(self.pressure), self.body)
 
     def at(self, vertices: Floats, field: str) -> Floats:
         """Values at all vertices of the body's mesh, of shape (2, n), Pa, shape (n,).
@@ -170,7 +170,7 @@ class StandingWater(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"{_told(self.pressure)} on {self.body}.{where_name(self.where)}"
+        return text("{} on {}.{}", _told(self.pressure), self.body, where_name(self.where))
 
     def at(self, places: Floats, field: str) -> Floats:
         """Values at places of shape (2, n), Pa, shape (n,).
@@ -186,9 +186,9 @@ def _told(pressure: float | Sequence[float] | Callable[[Floats], Floats]) -> str
         return pressure.told
     if callable(pressure):
         return "water pressure of a function"
-    if isinstance(pressure, tuple):
-        return f"water of up to {short(max(pressure))} Pa"
-    return f"water of {short(pressure)} Pa"
+    if isinstance(pressure, Sequence):
+        return text("water of up to {}", Quantity(max(pressure), "Pa", ".7g"))
+    return text("water of {}", Quantity(pressure, "Pa", ".7g"))
 
 
 def _called(field: str, pressure: Callable[[Floats], Floats], places: Floats) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 
 from lacore.arrays import Bools, Floats
 from lacore.errors import InputError, is_number, is_plane_vector, require_place
+from lacore.reporting.text import Quantity, join, text
 from lacore.showing import Compact
 
 Extent = float | tuple[float, float] | None
@@ -48,11 +49,11 @@ class Within(Compact):
     def told(self) -> str:
         """In a few words: ``(x = 0 to 1 m, y = 0 m)``."""
         own = [
-            f"{name} = {_said(at)} m"
+            text("{} = {}", name, _said(at))
             for name, at in (("x", self.x), ("y", self.y))
             if at is not None
         ]
-        return f"({', '.join(own)})"
+        return text("({})", join(", ", own))
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie in it, shape (n,)."""
@@ -98,8 +99,8 @@ class Along(Compact):
     @property
     def told(self) -> str:
         """In a few words: ``(from (0, 0) to (1, 2) m)``."""
-        (x, y), (u, v) = self.start, self.end
-        return f"(from ({x:.4g}, {y:.4g}) to ({u:.4g}, {v:.4g}) m)"
+        ends = Quantity((*self.start, *self.end), "m", ".4g", "({}, {}) to ({}, {})")
+        return text("(from {})", ends)
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie on it, shape (n,)."""
@@ -146,8 +147,10 @@ class Beyond(Compact):
     @property
     def told(self) -> str:
         """In a few words: ``(beyond (0, 0) m along 1, 2)``."""
-        (x, y), (u, v) = self.point, self.normal
-        return f"(beyond ({x:.4g}, {y:.4g}) m along {u:.4g}, {v:.4g})"
+        u, v = self.normal
+        return text(
+            "(beyond {} along {}, {})", Quantity(self.point, "m", ".4g"), f"{u:.4g}", f"{v:.4g}"
+        )
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie there, shape (n,)."""
@@ -157,10 +160,10 @@ class Beyond(Compact):
         return np.asarray(away >= -_slack(places))
 
 
-def _said(extent: Extent) -> str:
+def _said(extent: float | tuple[float, float]) -> Quantity:
     if isinstance(extent, tuple):
-        return f"{extent[0]:.4g} to {extent[1]:.4g}"
-    return f"{extent:.4g}"
+        return Quantity(extent, "m", ".4g", "{} to {}")
+    return Quantity(float(extent), "m", ".4g")
 
 
 def _require_plane(field: str, places: Floats) -> None:

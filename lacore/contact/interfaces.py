@@ -14,6 +14,7 @@ from lacore.conditions.where import Where, where_name
 from lacore.contact.obstacles import RigidObstacle, Shape
 from lacore.errors import InputError
 from lacore.materials.friction import Bonded, Friction, friction_law
+from lacore.reporting.text import join, text
 from lacore.showing import Compact
 
 
@@ -95,7 +96,7 @@ class Interface(Compact):
     @property
     def name(self) -> str:
         """Name in tables: ``block.bottom``, ``punch.base|soil.top``."""
-        return "|".join(f"{body}.{where_name(where)}" for body, where in self.sides)
+        return join("|", (text("{}.{}", body, where_name(where)) for body, where in self.sides))
 
 
 def _is_boundary(side: object) -> TypeGuard[tuple[str, Where]]:

@@ -14,6 +14,7 @@ from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm, Surface
 from lacore.materials.fields import Field, Given, Strength, Strengths, number_told, taken
 from lacore.materials.planes import planes_form, require_not_negative
 from lacore.materials.von_mises import VonMises
+from lacore.reporting.text import join
 from lacore.showing import Compact
 
 MATCHES = ("plane_strain", "compression", "extension")
@@ -125,7 +126,7 @@ class DruckerPrager(Compact):
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°, matched in compression``."""
         told = [number_told("c", self._cohesion), *angles_told(self._friction, self._dilation)]
-        return ", ".join([*told, f"matched in {self.match.replace('_', ' ')}"])
+        return join(", ", [*told, f"matched in {self.match.replace('_', ' ')}"])
 
     @property
     def law(self) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from lacore.arrays import Bools, Floats
 from lacore.errors import InputError, is_number, require_positive, require_range
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact, placed, short
 
 Given = float | Sequence[float] | Callable[[Floats], Floats]
@@ -89,7 +90,7 @@ class Field(Compact):
         """In a word: ``varies``."""
         return "varies" if callable(self.values) else "of each element"
 
-    def told_in(self, unit: str) -> str:
+    def told_in(self, unit: str) -> Quantity | str:
         """The same, if no values are known."""
         return self.told
 
@@ -113,10 +114,10 @@ class Ranged(Field):
 
     ends: tuple[float, float] = (0.0, 0.0)
 
-    def told_in(self, unit: str) -> str:
-        """``= 10000 to 16000 Pa``."""
+    def told_in(self, unit: str) -> Quantity | str:
+        """``10000 to 16000 Pa``."""
         low, high = sorted(float(np.max(self.factor)) * end for end in self.ends)
-        return f"= {low:.4g} to {high:.4g} {unit}"
+        return Quantity((low, high), unit, ".4g", "{} to {}")
 
 
 Strength = float | Field
@@ -158,9 +159,8 @@ def with_fields(criterion: Any, change: Callable[[Field], Field]) -> Any:
 
 def number_told(name: str, value: Strength, unit: str = "Pa") -> str:
     """``k = 1 Pa``, or ``k varies``."""
-    if isinstance(value, Field):
-        return f"{name} {value.told_in(unit)}"
-    return f"{name} = {value:.4g} {unit}"
+    told = value.told_in(unit) if isinstance(value, Field) else Quantity(value, unit, ".4g")
+    return text("{} {}" if isinstance(told, str) else "{} = {}", name, told)
 
 
 def called(

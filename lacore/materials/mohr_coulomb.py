@@ -24,7 +24,7 @@ from lacore.materials.planes import (
     require_cutoffs,
     require_not_negative,
 )
-from lacore.reporting.text import Quantity, text
+from lacore.reporting.text import Quantity, join, text
 from lacore.showing import Compact, rounded_down
 
 
@@ -130,7 +130,7 @@ class MohrCoulomb(Compact):
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°``."""
         told = [number_told("c", self._cohesion), *angles_told(self._friction, self._dilation)]
-        return ", ".join([*told, *limits_told(*self._cutoffs)])
+        return join(", ", [*told, *limits_told(*self._cutoffs)])
 
     @property
     def law(self) -> None:
@@ -242,7 +242,7 @@ class Rankine(Compact):
     @property
     def label(self) -> str:
         """``tension ≤ 1 Pa, compression ≤ 20 Pa``."""
-        return ", ".join(limits_told(*self._limits))
+        return join(", ", limits_told(*self._limits))
 
     @property
     def law(self) -> None:
@@ -292,7 +292,7 @@ class NoTension(Compact):
     @property
     def label(self) -> str:
         """``no tension``."""
-        return ", ".join(["no tension", *limits_told(None, self._crushing)])
+        return join(", ", ["no tension", *limits_told(None, self._crushing)])
 
     @property
     def law(self) -> None:
@@ -347,7 +347,7 @@ class MaximumShear(Compact):
         """Its strength in shear, Pa."""
         if isinstance(self._shear, Field):
             return number_told("largest shear", self._shear)
-        return f"largest shear {self._shear:.4g} Pa"
+        return text("largest shear {}", Quantity(self._shear, "Pa", ".4g"))
 
     @property
     def law(self) -> None:

@@ -10,6 +10,7 @@ from lacore.errors import InputError, is_number, require_known, require_positive
 from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm, Surface
 from lacore.materials.fields import Field, Strength, Strengths, number_told
 from lacore.materials.von_mises import VonMises
+from lacore.reporting.text import Quantity, text
 from lacore.showing import rounded_down
 
 Slope = float | Floats
@@ -105,8 +106,10 @@ def _least(limits: list[Strengths]) -> Strengths:
 def limits_told(tension: Strength | None, crushing: Strength | None) -> list[str]:
     """Limits of principal stresses in words, those that there are."""
     return [
-        number_told(text, limit) if isinstance(limit, Field) else f"{text} ≤ {limit:.4g} Pa"
-        for text, limit in (("tension", tension), ("compression", crushing))
+        number_told(name, limit)
+        if isinstance(limit, Field)
+        else text("{} ≤ {}", name, Quantity(limit, "Pa", ".4g"))
+        for name, limit in (("tension", tension), ("compression", crushing))
         if limit is not None
     ]
 

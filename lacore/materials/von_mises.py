@@ -95,7 +95,7 @@ class VonMises(Compact):
     def label(self) -> str:
         """Its strength in shear, Pa."""
         first = "" if self.hardening is None else "hardening, at first "
-        return f"{first}{number_told('k', self.k)}"
+        return text("{}{}", first, number_told("k", self.k))
 
     @property
     def law(self) -> HardeningLaw | None:

@@ -21,6 +21,7 @@ from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here, PathEndError, Stride
 from lacore.paths.stage import Stage
 from lacore.paths.stored.progress import Progress
+from lacore.reporting.text import text
 
 _RISES = 1e-6  # of a load: less is what solvers leave of one that stays the same
 _COLUMNS = [entry.name for entry in fields(PathStep)]
@@ -155,7 +156,7 @@ class Log:
                 ("contact opened", touched - touching),
             ):
                 if edges:
-                    what = f"{pair.name}: {len(edges)} of {count} edges"
+                    what = text("{}: {} of {} edges", pair.name, len(edges), count)
                     self.event(kind, there.step, there.travel, what)
         return deepest
 
@@ -176,7 +177,7 @@ class Log:
                 ("contact opened", int(np.sum(before & ~after))),
             ):
                 if count:
-                    what = f"{obstacle.name}: {count} of {after.size} points"
+                    what = text("{}: {} of {} points", obstacle.name, count, after.size)
                     self.event(kind, there.step, there.travel, what)
         return deepest
 
@@ -201,9 +202,7 @@ class Log:
             status=ending,
             message=f"{ending.label}: {message}{drift.warning(self.events)}",
             history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
-            events=pd.DataFrame(
-                [asdict(event) for event in self.events], columns=[f.name for f in fields(Event)]
-            ),
+            events=_table(self.events),
             snapshots=tuple(self.snapshots),
             last=self.last,
             stage=self.stage,
@@ -236,3 +235,9 @@ def peak(rows: Sequence[PathStep], column: str) -> tuple[int, float, float] | No
     between = between[(between > x[-3]) & (between < x[-1])]
     top = float(between[np.argmax(curve(between))])
     return last[-2].step, top, float(curve(top))
+
+
+def _table(events: Sequence[Event]) -> pd.DataFrame:
+    """Return a table of events; texts of what happened keep their quantities, as objects."""
+    table = pd.DataFrame(map(asdict, events), columns=[entry.name for entry in fields(Event)])
+    return table.assign(what=pd.Series([event.what for event in events], dtype=object))

@@ -13,6 +13,7 @@ from lacore.arrays import Floats
 from lacore.contact.obstacles import Shape
 from lacore.limit.state import LimitState
 from lacore.pictures.contact_segments import SegmentedContact
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 
 COLOURS = {  # legible to the colour-blind
@@ -196,7 +197,7 @@ def draw_panel(
         units: that tractions and places are told in.
     """
     profile = _profile(contact)
-    arc, named = profile.arc / units.size("m"), units.rewritten(contact.name)
+    arc, named = profile.arc / units.size("m"), render(contact.name, Reader(units))
     halves = cell.subgridspec(1, 2, wspace=0.08)
     left, right = figure.add_subplot(halves[0]), figure.add_subplot(halves[1])
     for axes, lines, label, floor in (

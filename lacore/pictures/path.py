@@ -84,7 +84,7 @@ def plot_force(path: Path) -> Figure:
     figure = Figure(figsize=_FORCE, layout="constrained", facecolor="white")
     axes, forced = figure.add_subplot(), path.unit == "m"
     whole = any(body.axisymmetric for body in path.stage.bodies.values())
-    unit = fitting(f"{value} N" for value in path.history["force"]) if forced else "N"
+    unit = fitting(path.history["force"]) if forced else "N"
     force = path.history["force"] / FORCES[unit]
     axes.plot(path.history["travel"], force, color=_LOAD, lw=1.6)
     if len(path.history) <= _FEW:

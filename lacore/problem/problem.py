@@ -26,7 +26,7 @@ from lacore.problem.dimensions import (
     dimension_of,
 )
 from lacore.problem.wet import check_wet
-from lacore.reporting.text import Term, text
+from lacore.reporting.text import Term, sizes, text
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -95,10 +95,10 @@ class Problem(Shown):
         return views.picture(self)
 
     @property
-    def sizes(self) -> list[str]:
-        """What is said of its loads and strengths, in SI: by these units for it are chosen."""
+    def sizes(self) -> list[float]:
+        """Return its loads and strengths, in SI, by which units for it are chosen."""
         loads = [load.told for load in self.loads.values()]
-        return [*loads, *(body.contents for body in self.bodies.values())]
+        return sizes([*loads, *(body.contents for body in self.bodies.values())])
 
     def facts(self) -> Facts:
         """What it consists of."""

@@ -22,6 +22,7 @@ from lacore.errors import is_number
 from lacore.materials.fields import Field
 from lacore.problem.problem import Problem
 from lacore.questions.places import places
+from lacore.reporting.text import text
 
 Changed = Callable[[Problem, float], Problem]
 _UNITS = {  # of the numbers of materials and of friction; all others are stresses
@@ -64,13 +65,14 @@ def parameters_of(problem: Problem) -> list[Parameter]:
                 found.append(Parameter(title, STRENGTH, value, value, at, unit, name))
     for index, pair in enumerate(problem.interfaces):
         for path, value, unit, changed in _numbers(pair.law):
-            title, at = f"{pair.name}: friction{path}", _of_interface(index, changed)
+            title = text("{}: friction{}", pair.name, path)
+            at = _of_interface(index, changed)
             found.append(Parameter(title, STRENGTH, value, value, at, unit))
     for attribute in ("reference_loads", "dead_loads"):
         for index, load in enumerate(getattr(problem, attribute)):
             size = size_of(load)
             if size is not None:
-                name = f"{attribute}[{index}]: {load.told}"
+                name = text("{}[{}]: {}", attribute, index, load.told)
                 at, unit = _of_load(attribute, index, size), unit_of(load, problem.bodies)
                 found.append(Parameter(name, LOAD, size, size, at, unit, load.body))
     for place in places(problem):

@@ -169,6 +169,8 @@ def sensitivity(
         [_row(*pair, state.load_factor) for pair in zip(parameters, rows, strict=True)],
         columns=_COLUMNS,
     )
+    # As objects: a column of plain text would lose the quantities of the names.
+    table["parameter"] = pd.Series([row["parameter"] for row in rows], dtype=object)
     order = table["elasticity"].abs().sort_values(ascending=False, na_position="last").index
     return Sensitivity(
         state=state,

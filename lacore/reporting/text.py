@@ -35,10 +35,11 @@ class Quantity:
     def _all(self) -> tuple[float | str, ...]:
         return self.numbers if isinstance(self.numbers, tuple) else (self.numbers,)
 
-    def rendered(self, units: Units | None = None) -> str:
+    def rendered(self, units: Units | None = None, framed: bool = False) -> str:
         """Return the numbers with their unit, in SI where no units are given."""
-        size = 1.0 if units is None else units.size(self.unit, self.framed)
-        label = self.unit if units is None else units.label(self.unit, self.framed)
+        of_frame = framed or self.framed
+        size = 1.0 if units is None else units.size(self.unit, of_frame)
+        label = self.unit if units is None else units.label(self.unit, of_frame)
         shown = [self._number(own, size, units is None) for own in self._all]
         pattern = self.pattern or (
             "{}" if len(shown) == 1 else f"({', '.join('{}' for _ in shown)})"
@@ -48,6 +49,8 @@ class Quantity:
     def _number(self, own: float | str, size: float, in_si: bool) -> str:
         if isinstance(own, str):
             return own
+        if isinstance(own, int) and in_si:
+            return str(own)
         # Rounded in SI first, so that all readers see the same digits.
         return f"{own:{self.form}}" if in_si else f"{float(f'{own:{self.form}}') / size:.7g}"
 
@@ -85,10 +88,12 @@ class Reader:
     Attributes:
         units: Units of the quantities; None: those of SI, with the digits that were stated.
         files: Whether names are those of problem files rather than of Python.
+        framed: Whether the text is about a frame, see `Units.size`.
     """
 
     units: Units | None = None
     files: bool = False
+    framed: bool = False
 
 
 PYTHON = Reader()
@@ -151,9 +156,16 @@ def quantities(own: str) -> Iterator[Quantity]:
     yield from (part for part in getattr(own, "parts", ()) if isinstance(part, Quantity))
 
 
+def sizes(texts: Iterable[str]) -> list[float]:
+    """Return the forces, moments and stresses of texts in SI, from which `fitting` chooses."""
+    known = {"Pa", "Pa/m", "N", "N/m", "N/m per m", "N/m^3", "N m"}
+    found = [one for own in texts for one in quantities(own) if one.unit in known]
+    return [value for one in found for value in one.values]
+
+
 def _rendered(part: Part, reader: Reader) -> str:
     if isinstance(part, Quantity):
-        return part.rendered(reader.units)
+        return part.rendered(reader.units, reader.framed)
     if isinstance(part, Term):
         return part.file if reader.files else part.python
     return part

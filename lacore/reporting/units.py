@@ -1,9 +1,9 @@
 """Sizes told in one choice of units: Pa or kPa, m or mm, the same all over a page or a picture."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from math import floor, log10
+from math import floor, isfinite, log10
 
 _LBF, _FT, _IN = 4.4482216152605, 0.3048, 0.0254  # N, m, m: by definition
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": _LBF, "kip": 1e3 * _LBF}
@@ -107,21 +107,11 @@ class Units:
         return known.get(own, (own, 1.0))
 
 
-def fitting(texts: Iterable[str]) -> str:
-    """The one of N, kN, MN in which the sizes that texts say are mostly between 1 and 1000."""
-    sizes = [size for text in texts for size in _sizes(text)]
-    if not sizes:
+def fitting(sizes: Iterable[float]) -> str:
+    """Return the one of N, kN, MN in which sizes in SI are mostly between 1 and 1000."""
+    known = [abs(size) for size in sizes if size and isfinite(size)]
+    if not known:
         return "N"
-    middle = sum(map(log10, sizes)) / len(sizes)
+    middle = sum(map(log10, known)) / len(known)
     thousands = min(max(floor(middle / 3), 0), len(_METRIC) - 1)
     return list(_METRIC)[thousands]
-
-
-def _sizes(text: str) -> Sequence[float]:
-    found = [
-        abs(float(number))
-        for match in _AMOUNT.finditer(text)
-        if match["unit"] != "m"
-        for number in re.findall(_NUMBER, match["numbers"])
-    ]
-    return [size for size in found if size > 0]

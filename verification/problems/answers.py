@@ -13,6 +13,7 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, is_number, require_known, require_width
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied, read_varied
+from lacore.reporting.text import text
 from lacore.showing import counted
 from verification.problems.asking import Given
 from verification.problems.more import MORE, check
@@ -214,7 +215,7 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             try:
                 others[name] = MORE[name].ask(given)
             except InputError as error:  # the load factor remains a valid result
-                others[name] = f"no result: {error}"
+                others[name] = text("no result: {}", error.text)
     seconds = time.perf_counter() - begin
     return Answer(state, interval, stability, bracket, found, safety, others, seconds)
 

@@ -11,6 +11,7 @@ import pandas as pd
 import lacore as la
 from lacore import views
 from lacore.certificate import Certificate
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
@@ -115,11 +116,12 @@ def described(problem: la.Problem, units: Units) -> Iterator[Block]:
     """The problem: its picture, and its parts as it prints itself, with nothing cut off."""
     caption = "The problem: supports, contact, loads"
     yield Gallery([_picture("problem", caption, problem, units)])
+    reader = Reader(units, files=True)
     said = {
-        "bodies": [f"{name}: {units.rewritten(o.contents)}" for name, o in problem.bodies.items()],
-        "supports": [units.rewritten(own.told) for own in problem.supports],
+        "bodies": [f"{name}: {render(o.contents, reader)}" for name, o in problem.bodies.items()],
+        "supports": [render(own.told, reader) for own in problem.supports],
         "interfaces": [
-            f"{units.rewritten(own.name)}: {friction(own.law, units)}" for own in problem.interfaces
+            f"{render(own.name, reader)}: {friction(own.law, units)}" for own in problem.interfaces
         ],
     }
     yield Facts(
@@ -142,15 +144,14 @@ def _bracket(bracket: la.Bracket, units: Units) -> Section:
 
 def _range(found: la.CoulombRange | la.SoilRange, units: Units) -> Section:
     facts = found.facts()
-    told = {name: units.rewritten(text) for name, text in facts.told.items()}
-    blocks: list[Block] = [Facts(told), table_of(found.states, "States found")]
+    blocks: list[Block] = [Facts(facts.told), table_of(found.states, "States found")]
     return Section("range", "Range of load factors", blocks, facts.title)
 
 
 def _more(name: str, found: Any, units: Units) -> Section:
     own = MORE[name]
     if isinstance(found, str):
-        return Section(name, own.title, [Text(units.rewritten(found))])
+        return Section(name, own.title, [Text(render(found, Reader(units, files=True)))])
     told = own.told(found, units)
     picture = Picture(name, own.caption(told), png(own.drawn(told, units), _DPI))
     blocks: list[Block] = [Gallery([picture])]

@@ -13,6 +13,7 @@ from lacore import views
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import path_script, script
 from lacore.files.problem.wording import in_words_of_files
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted
 from verification.problems.answers import Status
@@ -176,7 +177,8 @@ def _tables(stated: Stated, path: la.Path) -> Iterator[Block]:
     yield table_of(table, "Steps", heads)
     if len(path.events):
         count = f"Events: {len(path.events)}"
-        own = path.events.assign(what=path.events["what"].map(stated.units.rewritten))
+        reader = Reader(stated.units, files=True)
+        own = path.events.assign(what=path.events["what"].map(lambda what: render(what, reader)))
         yield Details(count, [table_of(own, "Events", {"travel": f"travel [{path.unit}]"})])
     forces = path.tool_forces()
     if len(forces):

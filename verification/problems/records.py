@@ -6,6 +6,7 @@ from typing import Any
 
 import lacore as la
 from lacore.files.problem.reading import Stated
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
@@ -63,7 +64,7 @@ def document(stated: Stated, answer: Answer, page: Path | None) -> dict[str, Any
         }
     for name, own in answer.more.items():
         if isinstance(own, str):
-            found[name] = {"failure": stated.units.rewritten(own)}
+            found[name] = {"failure": render(own, Reader(stated.units, files=True))}
         else:
             found[name] = MORE[name].document(MORE[name].told(own, stated.units))
     return found

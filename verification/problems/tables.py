@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import pandas as pd
 
 import lacore as la
 from lacore.bodies.any_body import of_kind
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 
 _UNITS: Mapping[str, str] = {
@@ -39,10 +39,16 @@ def in_units(
         unit = "N" if whole and _UNITS[name] == "N/m" else _UNITS[name]
         own[name] = own[name] / units.size(unit, framed)
         heads[name] = f"{name.replace('_', ' ')} [{units.label(unit, framed)}]"
-    for name in own.columns:
-        if not pd.api.types.is_numeric_dtype(own[name]):
-            own[name] = own[name].map(lambda said: _rewritten(said, units))
+    if "interface" in own:
+        named = interface_names(problem, units)
+        own["interface"] = own["interface"].map(lambda name: named.get(name, name))
     return own, heads
+
+
+def interface_names(problem: la.Problem, units: Units) -> dict[str, str]:
+    """Return the names of interfaces in some units, by their names in SI."""
+    reader = Reader(units, files=True)
+    return {str(own.name): render(own.name, reader) for own in problem.interfaces}
 
 
 def sensitivity_in(found: la.Sensitivity, units: Units) -> la.Sensitivity:
@@ -56,10 +62,6 @@ def sensitivity_in(found: la.Sensitivity, units: Units) -> la.Sensitivity:
         table[name] *= sizes
     table["unit"] = [units.label(*row) for row in rows]
     named = zip(table["parameter"], framed, strict=True)
-    table["parameter"] = [units.rewritten(*pair) for pair in named]
-    left_out = tuple(units.rewritten(name) for name in found.left_out)
+    table["parameter"] = [render(name, Reader(units, True, frame)) for name, frame in named]
+    left_out = tuple(render(name, Reader(units, files=True)) for name in found.left_out)
     return replace(found, table=table, left_out=left_out)
-
-
-def _rewritten(said: Any, units: Units) -> Any:
-    return units.rewritten(said) if isinstance(said, str) else said

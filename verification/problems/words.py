@@ -13,10 +13,12 @@ from lacore.conditions.loads import Load
 from lacore.files.problem.statements import law as stated_law
 from lacore.files.problem.wording import in_words_of_files
 from lacore.materials.friction import Friction
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted, listed
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
+from verification.problems.tables import interface_names
 
 _LOADS = 4  # loads that are described; others are counted
 _MOVES = 1e-6  # of the largest velocity: a slower part is at rest
@@ -28,7 +30,7 @@ _MOST = 0.9  # of the dissipation of a body, whose area is given
 def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:
     """Describe loads briefly: the first ones, and the number of the others."""
     frames = of_kind(problem.bodies, la.Frame)
-    said = [units.rewritten(own.told, own.body in frames) for own in loads]
+    said = [render(own.told, Reader(units, True, own.body in frames)) for own in loads]
     more = f"; and {len(said) - _LOADS} more" if len(said) > _LOADS else ""
     return "; ".join(said[:_LOADS]) + more or "none"
 
@@ -70,7 +72,11 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
         ends = answer.safety.facts().title.partition(": ")[2]
         told["safety"] = "; ".join(filter(None, (ends, answer.safety.note)))
     for name, found in answer.more.items():
-        told[name] = units.rewritten(found) if isinstance(found, str) else _said(name, found, units)
+        told[name] = (
+            render(found, Reader(units, files=True))
+            if isinstance(found, str)
+            else _said(name, found, units)
+        )
     if state.point is not None:
         told["mechanism"] = mechanism(state, units)
     if answer.stability is not None:
@@ -118,7 +124,7 @@ def _interval(found: la.Interval) -> str:
 def mechanism(state: la.LimitState, units: Units) -> str:
     """Describe the collapse mechanism: what moves, deforms, slips and rotates."""
     said = [*_flowing(state, units), *_moving(state), *_turning(state, units)]
-    said += [units.rewritten(own) for own in _slipping(state)]
+    said += _slipping(state, units)
     return "; ".join(said) or "nothing moves"
 
 
@@ -177,14 +183,15 @@ def _turning(state: la.LimitState, units: Units) -> Iterator[str]:
     yield f"plastic hinges at {listed(list(places))}" if places else "no plastic hinge rotates"
 
 
-def _slipping(state: la.LimitState) -> Iterator[str]:
-    table = state.reactions
+def _slipping(state: la.LimitState, units: Units) -> Iterator[str]:
+    table, named = state.reactions, interface_names(state.discretisation.problem, units)
     # Joints of an assembly are counted together, because there may be hundreds.
     where = table["interface"].map(lambda name: _joints(str(name)))
     for name, own in table.groupby(where, sort=False):
         count = own["state"].value_counts()
         found = [f"{count[kind]} {kind}" for kind in ("slip", "open", "stick") if kind in count]
-        yield f"{counted(len(own), 'contact point')} of {name}: {', '.join(found)}"
+        told = named.get(str(name), name)
+        yield f"{counted(len(own), 'contact point')} of {told}: {', '.join(found)}"
 
 
 def _joints(interface: str) -> str:

@@ -29,7 +29,7 @@ from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
 from lacore.meshes.solid.checks import check_tetrahedra
 from lacore.meshes.solid.roundness import outline_of
-from lacore.reporting.text import Term, text
+from lacore.reporting.text import Term, join, text
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -126,11 +126,11 @@ class Body(Shown):
     def contents(self) -> str:
         """``576 triangles, plane_strain, p2-vertex, k = 1 Pa``."""
         if self.dimension == 3:
-            return f"{self.mesh.nelements} tetrahedra, {self.space}, {self.label}"
+            return text("{} tetrahedra, {}, {}", self.mesh.nelements, self.space, self.label)
         elements = counted(
             self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
         )
-        return f"{elements}, {self.kinematics}, {self.space}, {self.label}"
+        return text("{}, {}, {}, {}", elements, self.kinematics, self.space, self.label)
 
     def facts(self) -> Facts:
         """What it consists of."""
@@ -161,7 +161,7 @@ class Body(Shown):
     def label(self) -> str:
         """What its criteria are worth: ``k = 1 Pa``, ``fill: k = 1 Pa; clay: k = 2 Pa``."""
         told = [(region.name, region.label) for region in self.regions]
-        return "; ".join(f"{name}: {label}" if name else label for name, label in told)
+        return join("; ", (text("{}: {}", *own) if own[0] else own[1] for own in told))
 
     def _criteria(self) -> dict[str, str]:
         """Facts of each region."""

@@ -129,13 +129,13 @@ def amount(text: str, accepted: tuple[str, ...]) -> Amount:
     raise WrongUnitError(f"{unit!r} does not fit: this is in {named}", fix)
 
 
-def chosen(amounts: Iterable[Amount], sizes: Iterable[str], asked: Mapping[str, str]) -> Units:
+def chosen(amounts: Iterable[Amount], sizes: Iterable[float], asked: Mapping[str, str]) -> Units:
     """What answers to a file are told in: forces, lengths and stresses as most of each are written.
 
     Args:
         amounts: all numbers of the file. Lengths without a unit are in m, and 0 has none. Where no
             force has a unit, that of stresses says it, and the other way round.
-        sizes: texts that say sizes in SI, which forces fit where the file writes no unit at all.
+        sizes: in SI, which forces fit where the file writes no unit at all.
         asked: a unit for ``force``, ``length``, ``stress``, whatever is written.
     """
     found: dict[str, Counter[str]] = {kind: Counter() for kind in ("force", "length", "stress")}

@@ -20,6 +20,7 @@ from lacore.pictures.blocks import FIXED, fill_blocks
 from lacore.pictures.regions import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, quantity
 from lacore.problem.problem import Problem
+from lacore.reporting.text import Reader, render
 
 _FEW = 6  # regions, that have their own entries of the legend
 _BLOCK, _OUTLINE, _NAME = "#ece7dc", "#333333", "#555555"
@@ -50,7 +51,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
         )
         sheet.axes.add_collection(fill)
         named = _plain(region.name) or whole
-        text = f"{named}, {_symbols(sheet.units.rewritten(region.label))}"
+        text = f"{named}, {_symbols(render(region.label, Reader(sheet.units)))}"
         if many:
             text = f"{whole}, {len(body.regions)} regions"
         sheet.handles[text] = Patch(facecolor=colour, edgecolor=_OUTLINE)

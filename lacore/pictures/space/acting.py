@@ -18,6 +18,7 @@ from lacore.meshes.solid.faces import face_corners
 from lacore.pictures.space.drawing import explain, page, space
 from lacore.pictures.space.surface import PLAIN, fill_faces
 from lacore.problem.problem import Problem
+from lacore.reporting.text import Reader, render, text
 from lacore.reporting.units import Units
 from lacore.showing import cut
 
@@ -38,8 +39,8 @@ def sketch_of_faces(problem: Problem, units: Units) -> Figure:
     figure, (place,) = page(1, "")
     axes = space(figure, place, boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0), units)
     handles: list[Artist] = []
-    for text, colour, _ in _acting(problem):
-        label = cut(units.rewritten(text, framed=True), _LONGEST)
+    for acting, colour, _ in _acting(problem):
+        label = cut(render(acting, Reader(units, framed=True)), _LONGEST)
         handles.append(Patch(facecolor=colour, edgecolor="#555555", label=label))
     colours = face_colours(problem)
     for name, body in bodies.items():
@@ -69,7 +70,7 @@ def _acting(problem: Problem) -> Iterator[tuple[str, str, list[tuple[str, Ints]]
 
     for number, support in enumerate(problem.supports):
         colour = _HELD[number % len(_HELD)]
-        yield f"fixed: {support.told}", colour, faces(support.body, support.where)
+        yield text("fixed: {}", support.told), colour, faces(support.body, support.where)
     for number, (interface, touching) in enumerate(
         zip(problem.interfaces, problem.touching, strict=True)
     ):

@@ -14,6 +14,7 @@ from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.pictures.space.drawing import explain, fill_polygons, fill_solids, page, space
 from lacore.pictures.space.structure import Blocks, blocks_of
 from lacore.problem.problem import Problem
+from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import cut
 
@@ -52,13 +53,13 @@ def sketch_in_space(problem: Problem, units: Units) -> Figure:
         corners, owner = bodies[name].corners_of(faces)
         polygons = [corners[:, owner == face] for face in faces]
         fill_polygons(axes, polygons, [(_GROUND, 0.5)] * len(polygons), 1.0)
-        label = cut(units.rewritten(interface.name), _LONGEST)
+        label = cut(render(interface.name, Reader(units)), _LONGEST)
         handles.append(Patch(facecolor=_GROUND, alpha=0.5, label=label))
     for loads, colour in ((problem.dead_loads, _DEAD), (problem.reference_loads, _LIVE)):
         for load in loads:
             _, points, force = carried(load, bodies[load.body])
             _draw_arrows(axes, points, force, colour, blocks)
-            label = cut(units.rewritten(load.told, framed=True), _LONGEST)
+            label = cut(render(load.told, Reader(units, framed=True)), _LONGEST)
             handles.append(Line2D([], [], color=colour, lw=2, marker=">", label=label))
     explain(axes, handles, 1)
     return figure

@@ -11,6 +11,7 @@ from lacore.materials.angles import CutOff
 from lacore.materials.conic_form import ConicForm, of_elements
 from lacore.materials.criterion import Criterion
 from lacore.materials.fields import Field, Ranged, Strengths, varying, with_fields
+from lacore.reporting.text import Quantity, join, text
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -60,11 +61,12 @@ class Region(Compact):
     @property
     def told(self) -> str:
         """How large its fields are: ``VonMises, shear_strength 1 to 3 Pa``; empty without any."""
-        parts = []
+        parts = [type(self.criterion).__name__]
         for name, own in varying(self.criterion).items():
-            values, unit = self.seen(own), "°" if name.endswith("_angle") else " Pa"
-            parts.append(f", {name} {values.min():.4g} to {values.max():.4g}{unit}")
-        return "".join([type(self.criterion).__name__, *parts]) if parts else ""
+            values, unit = self.seen(own), "°" if name.endswith("_angle") else "Pa"
+            ends = (float(values.min()), float(values.max()))
+            parts.append(text("{} {}", name, Quantity(ends, unit, ".4g", "{} to {}")))
+        return join(", ", parts) if len(parts) > 1 else ""
 
     @property
     def without_effect(self) -> float:
