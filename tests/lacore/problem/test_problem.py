@@ -153,7 +153,7 @@ def test_obstacle_that_touches():
     [
         (lambda: la.Coulomb(-0.1), ("friction = -0.1", "mu >= 0")),
         (lambda: la.Coulomb(np.nan), ("friction = nan", "not a friction coefficient")),
-        (lambda: la.Coulomb(np.inf), ("friction = inf", "lacore.STICK: no slip")),
+        (lambda: la.Coulomb(np.inf), ("friction = inf", "lacore.STICK (no slip)")),
         (lambda: obstacle(friction=-1), ("friction = -1", "mu >= 0")),
         (lambda: obstacle(friction=np.nan), ("friction = nan",)),
         (lambda: obstacle(friction="0.3"), ("Interface.friction = '0.3'", "lacore.Coulomb")),
