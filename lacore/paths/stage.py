@@ -30,9 +30,9 @@ from lacore.meshes.curved import signed_jacobians
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.pairs import Pair
 from lacore.paths.contact.poses import carried_along, placed, pose, require_single
-from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of
+from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of, tool_of
 from lacore.paths.loads import check_load, of_block
-from lacore.paths.tools.block import PART, ToolBlock, moved_shape
+from lacore.paths.tools.carrier import PART, MovedShape, moved_shape
 from lacore.paths.tools.contact import driving
 from lacore.paths.tools.tool import NO_TOOLS, Tooling
 from lacore.problem.problem import Problem
@@ -155,19 +155,20 @@ class Stage(Compact):
 
     def obstacles_at(self, configuration: Configuration) -> tuple[Obstacle, ...]:
         """The obstacles on a configuration: those that tools carry have moved."""
+        shapes = self.shapes_at(configuration)
         return tuple(
-            own
-            if own.carrier is None
-            else replace(
-                own,
-                shape=moved_shape(
-                    own.shape,
-                    self.rigid[own.carrier].centroid,
-                    configuration.nodes[own.carrier],
-                ),
-            )
+            own if own.carrier is None else replace(own, shape=shapes[own.carrier])
             for own in self.obstacles
         )
+
+    def shapes_at(self, configuration: Configuration) -> dict[str, MovedShape]:
+        """The shapes of the tools on a configuration, by name."""
+        places, blocks = configuration.nodes, self.rigid
+        return {
+            own.carrier: moved_shape(own.shape, blocks[own.carrier].centroid, places[own.carrier])
+            for own in self.obstacles
+            if own.carrier
+        }
 
     def dofs_at(self, configuration: Configuration) -> dict[str, BodyDofs]:
         """The unknowns of the bodies on a configuration, by name; see `at` for errors."""
@@ -194,7 +195,10 @@ class Stage(Compact):
             x, y = place.tolist()
             return replace(load, at=(x, y))
 
-        driven = driving(bodies, self.problem.driven)
+        motions = self.problem.driven
+        driven = driving(
+            self.blocks_at(configuration), {n: motions[n] for n in self.tools if n in motions}
+        )
         reference: Sequence[Load] = driven or [
             gripped(load) for load in self.problem.reference_loads
         ]
@@ -219,7 +223,7 @@ def staged(
             single rigid blocks.
         approaching: more interfaces, whose sides need not touch yet.
         drives: motions of the tools that move together, see `Problem.driven`; None of none.
-        tools: more bodies, of tools that have an exact shape, and what they may touch.
+        tools: of an exact shape.
 
     Raises:
         InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
@@ -249,7 +253,8 @@ def staged(
             return of_block(part, kind)
         return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
 
-    driven = driving(rigid, drives or {})
+    motions = drives or {}
+    driven = driving(rigid, {n: own for n, own in motions.items() if n in tools.shapes})
     reference = [] if driven else [renamed(load) for load in problem.reference_loads]
     dead = [renamed(load) for load in problem.dead_loads]
     supports = [renamed(support) for support in problem.supports]
@@ -260,11 +265,12 @@ def staged(
         if not _ties(own)
     } | {f"approaching[{index}]": own for index, own in enumerate(approaching)}
     fields |= {f"tools: {index}, {own.name}": own for index, own in enumerate(tools.interfaces)}
-    shaped = {name: block for name, block in rigid.items() if isinstance(block, ToolBlock)}
-    facing = [own for own in fields.values() if own.obstacle is not None or _tool(own, shaped)]
-    obstacles = tuple(
-        obstacle_of(interface, bodies, names, _tool(interface, shaped)) for interface in facing
-    )
+    facing = [
+        own
+        for own in fields.values()
+        if own.obstacle is not None or tool_of(own, tools.shapes) is not None
+    ]
+    obstacles = tuple(obstacle_of(interface, bodies, names, tools.shapes) for interface in facing)
     pairs = tuple(
         pair_of(interface, {**bodies, **rigid}, names, where)
         for where, interface in fields.items()
@@ -288,12 +294,12 @@ def staged(
     meets: dict[str, Ints] = {}
     for side in (side for pair in pairs for side in pair.sides):
         meets[side.body] = np.union1d(meets.get(side.body, side.edges), side.edges)
-    for own in obstacles if shaped else ():
+    for own in obstacles if tools.shapes else ():
         meets[own.body] = np.union1d(meets.get(own.body, own.facets), own.facets)
-    meets |= {name: np.arange(block.edges.block.size) for name, block in shaped.items()}
+    meets |= {name: np.arange(rigid[name].edges.block.size) for name in tools.shapes}
     every: dict[str, PlaneBody] = {**bodies, **rigid}
     ready = ProblemOnPath(
-        MappingProxyType(every), driven or reference, supports, bonded, dead, meets, drives or {}
+        MappingProxyType(every), driven or reference, supports, bonded, dead, meets, motions
     )
     _check_tied(ready)
     return Stage(
@@ -325,12 +331,6 @@ def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> 
             text("give a friction, {} for one that does not slip", terms.STICK),
         )
     return names.of(bodies[name], name, where, "Interface.slave")
-
-
-def _tool(interface: Interface, tools: Mapping[str, ToolBlock]) -> tuple[str, ToolBlock] | None:
-    """The tool of an exact shape that an interface has as its master; None of none."""
-    name = interface.sides[-1][0]
-    return (name, tools[name]) if name in tools else None
 
 
 def _ties(interface: Interface) -> bool:

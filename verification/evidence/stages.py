@@ -8,12 +8,11 @@ import numpy as np
 from skfem import Mesh, MeshQuad2, MeshTri2
 
 import lacore as la
-from lacore.arrays import Floats
 from lacore.paths.contact.poses import placed
 from lacore.paths.control import driven_by
 from lacore.paths.stage import Stage, staged
-from lacore.paths.tools.block import MovedShape, ToolBlock
-from lacore.paths.tools.tool import tooling
+from lacore.paths.tools.carrier import moved_shape
+from lacore.paths.tools.tool import Tooling, tooling
 from verification.case.following import Following
 
 _KINDS = {3: MeshTri2, 4: MeshQuad2}  # by the number of corners of an element
@@ -27,11 +26,8 @@ def packed_stage(stage: Stage) -> dict[str, Any]:
         arrays[f"mesh/{name}/cells"] = body.mesh.t
         for part, facets in (body.mesh.boundaries or {}).items():
             arrays[f"mesh/{name}/part/{part}"] = np.asarray(facets)
-    for name in stage.tools:
-        block = stage.rigid[name]
-        assert isinstance(block, ToolBlock)
-        turn = block.shape.turn if isinstance(block.shape, MovedShape) else 0.0
-        arrays[f"tool/{name}"] = np.array([*block.centroid[:, 0], turn])
+    for name, shape in stage.shapes_at(stage.start).items():
+        arrays[f"tool/{name}"] = np.array([*stage.rigid[name].centroid[:, 0], shape.turn])
     return arrays
 
 
@@ -51,20 +47,20 @@ def restored_stage(stated: Following, problem: la.Problem, arrays: Mapping[str, 
         if f"mesh/{name}/cells" in arrays:
             assert isinstance(body, la.Body)
             bodies[name] = replace(body, mesh=_mesh(f"mesh/{name}", arrays))
-    blocks = {
-        name: _posed(block, arrays.get(f"tool/{name}")) for name, block in tools.blocks.items()
-    }
     return staged(
-        replace(problem, bodies=bodies), stated.approaching, drives, replace(tools, blocks=blocks)
+        replace(problem, bodies=bodies), stated.approaching, drives, _moved(tools, arrays)
     )
 
 
-def _posed(block: ToolBlock, at: Floats | None) -> ToolBlock:
-    if at is None:
-        return block
-    found = placed(block, at[:, None])
-    assert isinstance(found, ToolBlock)
-    return found
+def _moved(tools: Tooling, arrays: Mapping[str, Any]) -> Tooling:
+    """Tools at the poses that were packed, if there are any."""
+    shapes, blocks = dict(tools.shapes), dict(tools.blocks)
+    for name, block in tools.blocks.items():
+        at = arrays.get(f"tool/{name}")
+        if at is not None:
+            shapes[name] = moved_shape(shapes[name], block.centroid, at[:, None])
+            blocks[name] = placed(block, at[:, None])
+    return replace(tools, shapes=shapes, blocks=blocks)
 
 
 def _mesh(key: str, arrays: Mapping[str, Any]) -> Mesh:

@@ -7,7 +7,6 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.errors import InputError
-from lacore.paths.tools.block import ToolBlock
 from lacore.reporting.text import Term, text
 
 
@@ -46,6 +45,4 @@ def placed(body: BlockAssembly, at: Floats) -> BlockAssembly:
     corners = {
         name: carried_along(body, at, vertices.T).T for name, vertices in body.polygons.items()
     }
-    if isinstance(body, ToolBlock):
-        return body.carried(at, corners)
     return replace(body, blocks=corners)

@@ -19,7 +19,6 @@ from lacore.paths.contact.meeting import SHARES, meeting
 from lacore.paths.contact.overlap import DEEPEST, corner_inside
 from lacore.paths.contact.pair_stations import outlines
 from lacore.paths.contact.pairs import Pair, Side, misfit
-from lacore.paths.tools.block import ToolBlock
 from lacore.paths.tools.overlap import overlapping
 from lacore.reporting import terms
 from lacore.reporting.text import Quantity, Term, text
@@ -77,7 +76,7 @@ def obstacle_of(
     interface: Interface,
     bodies: Mapping[str, Body],
     names: Names,
-    tool: tuple[str, ToolBlock] | None = None,
+    tools: Mapping[str, Shape],
 ) -> Obstacle:
     """The obstacle of an interface, and the part of a body that may touch it.
 
@@ -85,7 +84,7 @@ def obstacle_of(
         interface: of a body and an obstacle, or a tool.
         bodies: those that deform.
         names: of their boundaries.
-        tool: its name and body; None of an obstacle.
+        tools: their shapes.
 
     Raises:
         InputError: no such body, a law that a path does not follow, a body behind its obstacle.
@@ -101,15 +100,16 @@ def obstacle_of(
     check_law(interface)
     body = bodies[name]
     facets = boundary_facets(body, where, "Interface.slave")
+    tool = tool_of(interface, tools)
     found = Obstacle(
         name=interface.name,
         body=name,
         where=names.of(body, name, where, "Interface.slave"),
         facets=facets,
-        shape=_shape(interface, body, facets) if tool is None else tool[1].shape,
+        shape=_shape(interface, body, facets) if tool is None else tools[tool],
         law=interface.law.terms(),
         size=body.size,
-        carrier=None if tool is None else tool[0],
+        carrier=tool,
     )
     mesh = body.mesh
     nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
@@ -118,7 +118,7 @@ def obstacle_of(
     if distance[worst] < -found.touch:
         if tool is not None:
             x, y = mesh.doflocs[:, nodes[worst]].tolist()
-            raise overlapping(tool[0], f"body {name!r}", -float(distance[worst]), (x, y))
+            raise overlapping(tool, f"body {name!r}", -float(distance[worst]), (x, y))
         raise InputError(
             "Interface.slave",
             interface.name,
@@ -130,6 +130,12 @@ def obstacle_of(
             ),
         )
     return found
+
+
+def tool_of(interface: Interface, tools: Mapping[str, Shape]) -> str | None:
+    """The tool that an interface has as its master; None of none."""
+    name = interface.sides[-1][0]
+    return name if name in tools else None
 
 
 def _shape(interface: Interface, body: Body, facets: Ints) -> Shape:

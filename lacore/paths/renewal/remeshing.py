@@ -19,6 +19,7 @@ from lacore.paths.control import Control, PointTravel
 from lacore.paths.renewal.mesher import Point, Remeshing
 from lacore.paths.renewal.transfer import transfer_errors, transferred
 from lacore.paths.stage import Stage, staged
+from lacore.paths.tools.tool import Tooling
 from lacore.problem.problem import Problem
 
 Remesh = Callable[[Problem], Mapping[str, Mesh]]
@@ -112,7 +113,8 @@ def restaged(
     for name, mesh in meshes.items():
         require_known("remesh", name, deforming)
         bodies[name] = _on(name, deforming[name], mesh, stage.obstacles_at(configuration))
-    new = staged(replace(now, bodies=bodies), stage.interfaces, stage.problem.driven)
+    tools = Tooling(stage.shapes_at(configuration))
+    new = staged(replace(now, bodies=bodies), stage.interfaces, stage.problem.driven, tools)
     start = new.start
     before, after = stage.dofs_at(configuration), new.dofs_at(start)
     strain = {

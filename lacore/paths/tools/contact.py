@@ -25,7 +25,7 @@ from lacore.paths.contact.approach import obstacle_station
 from lacore.paths.contact.outlines import Outline, outline
 from lacore.paths.contact.pairs import Side
 from lacore.paths.contact.stations import Station
-from lacore.paths.tools.block import PART, ToolBlock, corners_of
+from lacore.paths.tools.carrier import PART, corners_of
 
 _INSIDE = 0.02  # of an edge: closer to a vertex of it a corner adds nothing to the vertex
 _DEEP = 0.1  # of the body size: what is deeper has another part of the body in between
@@ -140,16 +140,13 @@ def corner_station(
     )
 
 
-def driving(rigid: Mapping[str, object], drives: Mapping[str, Floats]) -> list[Load]:
-    """The reference load by which tools of an exact shape are driven; none where none moves."""
-    for name, motion in drives.items():
-        block = rigid[name]
-        if isinstance(block, ToolBlock) and np.any(motion):
-            return [_drive(name, block, motion)]
-    return []
+def driving(rigid: Mapping[str, BlockAssembly], motions: Mapping[str, Floats]) -> list[Load]:
+    """The reference load by which tools of given motions are driven; none where none moves."""
+    moving = [name for name, motion in motions.items() if np.any(motion)]
+    return [_drive(name, rigid[name], motions[name]) for name in moving[:1]]
 
 
-def _drive(name: str, block: ToolBlock, motion: Floats) -> PointForce:
+def _drive(name: str, block: BlockAssembly, motion: Floats) -> PointForce:
     """A force on a tool where it is, whose power per travel is 1."""
     x, y, turn = motion.tolist()
     if x or y:

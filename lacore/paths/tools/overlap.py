@@ -10,7 +10,7 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
 from lacore.contact.obstacles import Obstacle
 from lacore.errors import InputError
-from lacore.paths.tools.block import corners_of
+from lacore.paths.tools.carrier import corners_of
 
 _FINE = 50  # parts of each piece of an outline
 _TOUCH = 1e-6  # of the size of a body: tools that overlap less touch each other

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
@@ -24,7 +25,7 @@ from lacore.errors import (
 )
 from lacore.materials.friction import Friction, friction_law
 from lacore.paths.control import ToolTravel
-from lacore.paths.tools.block import PART, ToolBlock
+from lacore.paths.tools.carrier import PART, carrier
 from lacore.problem.problem import Problem
 from lacore.reporting import terms
 from lacore.reporting.text import Term, text
@@ -132,14 +133,16 @@ class Tooling:
     """Tools made ready for a path.
 
     Attributes:
-        blocks: their bodies by name.
+        shapes: of them, by name.
+        blocks: that carry them, where these are not among the bodies of the problem.
         interfaces: what they may touch.
         drives: motion per travel by name, shape (3,).
     """
 
-    blocks: Mapping[str, ToolBlock]
-    interfaces: tuple[Interface, ...]
-    drives: Mapping[str, Floats]
+    shapes: Mapping[str, Shape]
+    blocks: Mapping[str, BlockAssembly] = field(default_factory=dict)
+    interfaces: tuple[Interface, ...] = ()
+    drives: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def moves(self) -> bool:
@@ -152,7 +155,7 @@ class Tooling:
         return ToolTravel({name: tuple(own.tolist()) for name, own in self.drives.items()})
 
 
-NO_TOOLS = Tooling({}, (), {})
+NO_TOOLS = Tooling({})
 
 
 def tooling(problem: Problem, tools: Mapping[str, Tool]) -> Tooling:
@@ -184,7 +187,8 @@ def tooling(problem: Problem, tools: Mapping[str, Tool]) -> Tooling:
             ),
         )
     return Tooling(
-        blocks={name: _block(tool, continua) for name, tool in tools.items()},
+        shapes={name: tool.shape for name, tool in tools.items()},
+        blocks={name: _carrier(tool, continua) for name, tool in tools.items()},
         interfaces=tuple(
             Interface((body, where), (name, PART), tool.friction)
             for name, tool in tools.items()
@@ -232,9 +236,8 @@ def _check(name: object, tool: object, problem: Problem, continua: Mapping[str, 
             )
 
 
-def _block(tool: Tool, continua: Mapping[str, Body]) -> ToolBlock:
-    size = min(continua[body].size for body, _ in tool.sides)
-    return ToolBlock.about(tool.reference, size, tool.shape)
+def _carrier(tool: Tool, continua: Mapping[str, Body]) -> BlockAssembly:
+    return carrier(tool.reference, min(continua[body].size for body, _ in tool.sides))
 
 
 def require_own_travel(control: ToolTravel, tools: Tooling) -> None:

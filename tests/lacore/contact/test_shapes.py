@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 import lacore as la
-from lacore.paths.tools.block import moved_shape
+from lacore.paths.tools.carrier import moved_shape
 
 LETTER = [(-1, -1), (1.5, -1), (1.5, 0), (0, 0), (0, 2), (-1, 1.5)]
 PLACES = np.random.default_rng(0).uniform(-3, 3, (2, 400))

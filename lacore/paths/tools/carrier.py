@@ -1,23 +1,27 @@
-"""The body of a tool: a rigid block whose contact is that of an exact shape.
+"""What moves the shape of a tool: a rigid block about its reference point.
 
-Its polygon is a small square about the reference point, which gives it the unknowns of a block.
+The block has the three unknowns of the tool and carries the force that drives it. Contact is that
+of the shape; the polygon of the block touches nothing.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.contact.obstacles import Plane, Shape
+from lacore.contact.obstacles import Shape
 from lacore.showing import Compact
 
 PART = "tool"
-"""Name of the one block of a tool."""
-_NOWHERE = Plane((0.0, 0.0), (0.0, 1.0))  # a dataclass wants a default; each tool has its own
-_SIDE = 0.05  # of the smallest body that it touches: the square
+"""Name of the block that carries a tool."""
+_SIDE = 0.05  # of the smallest body that a tool touches: the polygon, a square
+
+
+def carrier(reference: tuple[float, float], size: float) -> BlockAssembly:
+    """The block that carries a tool with a reference point, beside bodies of a size [m]."""
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * _SIDE * size / 2
+    return BlockAssembly({PART: square + np.array(reference)}, friction=0.0)
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,7 +69,7 @@ def corners_of(shape: Shape) -> Floats:
     return np.asarray(getattr(shape, "corners", np.zeros((2, 0))))
 
 
-def moved_shape(shape: Shape, about: Floats, at: Floats) -> Shape:
+def moved_shape(shape: Shape, about: Floats, at: Floats) -> MovedShape:
     """A shape after a point of it has moved, and it has turned about this point.
 
     Args:
@@ -84,24 +88,3 @@ def moved_shape(shape: Shape, about: Floats, at: Floats) -> Shape:
 def _rotation(turn: float) -> Floats:
     c, s = np.cos(turn), np.sin(turn)
     return np.array([[c, -s], [s, c]])
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ToolBlock(BlockAssembly):
-    """The body of a tool.
-
-    Attributes:
-        shape: where the tool is.
-    """
-
-    shape: Shape = _NOWHERE
-
-    @classmethod
-    def about(cls, reference: tuple[float, float], size: float, shape: Shape) -> ToolBlock:
-        """The body of a tool that is moved by its reference point, beside bodies of a size."""
-        square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * _SIDE * size / 2
-        return cls({PART: square + np.array(reference)}, friction=0.0, shape=shape)
-
-    def carried(self, at: Floats, blocks: dict[str, Floats]) -> ToolBlock:
-        """Itself at a pose, with the blocks there."""
-        return replace(self, blocks=blocks, shape=moved_shape(self.shape, self.centroid, at))
