@@ -186,3 +186,15 @@ def test_the_page_on_architecture_counts_packages_and_is_short():
     ((before, after),) = re.findall(script.COUNT, page)
     assert f"{before}{script.passed()}{after}" in page
     assert len(page.split()) <= 900
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(script_of("entries").MOST))
+def test_the_page_on_architecture_counts_entries_into_packages(name):
+    """`python docs/entries.py` writes the counts, which depend on the iterations of solvers."""
+    counting = script_of("entries")
+    page = counting.PAGE.read_text(encoding="utf-8")
+    ((counted, most),) = re.findall(rf"\| {name} \| (\d+) \| (\d+) \|", page)
+    assert int(most) == counting.MOST[name]
+    found = counting.entries(counting.analyses()[name]).total()
+    assert int(counted) == pytest.approx(found, rel=0.05)
