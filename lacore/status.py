@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 
+from lacore.reporting.findings import Finding, Message
+from lacore.reporting.kinds import Kind
+
 
 class Status(Enum):
     """Outcome of one inner solve, or of the whole coupled problem (T13)."""
@@ -57,28 +60,36 @@ class Status(Enum):
         """The name as shown in tables: ``not converged``."""
         return self.name.lower().replace("_", " ")
 
-    def said(self, message: str) -> str:
-        """A message that begins with this status, without repeating that all is well."""
-        expected = f"{self.label}: {self.value}"
-        if self is Status.SOLVED and message.startswith(expected):
-            return self.label + message.removeprefix(expected)
-        return message
+    def report(self, findings: tuple[Finding, ...]) -> Message:
+        """Return the text of this status with findings, to be rendered for a reader."""
+        return Message(self.label, self.value, findings, plain=self is Status.SOLVED)
 
-    def by(self, backend: str, message: str) -> str:
-        """Return a message with the name of the backend, unless the problem itself has this status.
+
+class Reported:
+    """A result with a status, and with findings that say the rest."""
+
+    status: Status
+    findings: tuple[Finding, ...]
+
+    @property
+    def report(self) -> Message:
+        """The status with the findings, to be rendered for a reader."""
+        return self.status.report(self.findings)
+
+    @property
+    def message(self) -> str:
+        """Text of the status and of the findings."""
+        return str(self.report)
+
+    def unanswered(self, backend: str) -> Finding:
+        """Return why there is no bound or state, with the backend unless the problem has none.
 
         Args:
             backend: Name of the backend whose answer has this status.
-            message: Why, and how to fix it.
         """
-        if self in _OF_THE_PROBLEM:
-            return message
-        return f"backend {backend!r} has no certified answer: {message}"
-
-    def added(self, message: str) -> str:
-        """What a message that begins with this status says beside it; empty where nothing."""
-        _, _, more = message.partition(f"{self.label}: {self.value}")
-        return more.lstrip("; ")
+        if self.status in _OF_THE_PROBLEM:
+            return Finding(Kind.STATUS, values={"report": self.report})
+        return Finding(Kind.NO_ANSWER, values={"backend": backend, "report": self.report})
 
 
 _WITH_POINT = frozenset(

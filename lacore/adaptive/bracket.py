@@ -162,7 +162,7 @@ class Bracket(Shown):
         upper = self.upper_bound
         moved = upper.velocity if upper.status is Status.SOLVED else None
         reached = reached_supports(upper.discretisation, moved)
-        told = (self.status.value, self.stopped, proven_of, self.failure, reached)
+        told = (self.status.value, self.stopped, proven_of, self.failure, str(reached or ""))
         return "; ".join(filter(None, told))
 
     @cached_property

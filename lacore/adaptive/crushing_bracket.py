@@ -20,6 +20,7 @@ from lacore.limit.cells import laws_of_crushing, with_cells
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
+from lacore.reporting.text import PYTHON
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.status import Status
 
@@ -60,7 +61,7 @@ class CrushingBracket(Shown):
     def facts(self) -> Facts:
         """What is proven."""
         told = {
-            "status": self.status.said(self.upper.message),
+            "status": self.upper.report.summary_for(PYTHON),
             "rounds": f"{counted(len(self.rounds), 'round')}, {self.lower.discretisation.contents}",
         }
         title = f"CrushingBracket: load factor in [{self.low:.7g}, {self.high:.7g}]"

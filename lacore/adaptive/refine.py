@@ -150,7 +150,7 @@ def bracket(
     assert isinstance(upper, UpperBound)
     for kind, bound in run.best.items():
         if bound.status is not Status.SOLVED:
-            run.failures[kind] = run.failures[kind] or bound.status.by(backend, bound.message)
+            run.failures[kind] = run.failures[kind] or str(bound.unanswered(backend))
     wrong = sorted((run.failures | run.absent).items())
     failed = [f"{kind} bound: {why}" for kind, why in wrong if why]
     if ending is Ending.CROSSED:
@@ -285,7 +285,7 @@ class _Run:
         # Elements that are too few to carry the dead loads, or to flow, are no failure.
         few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
         fails = not (holds or bound.status is few[kind])
-        named = bound.status.by(self.solver.backend, bound.message)
+        named = str(bound.unanswered(self.solver.backend))
         self.failures[kind] = named if fails else ""
         if self.coulomb and bound.status is few[kind]:
             self._ask_whether_any(kind, asked.problem)

@@ -19,6 +19,8 @@ from lacore.conditions.footings import Footing
 from lacore.contact.interfaces import Interface
 from lacore.materials.friction import STICK, Tresca
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.status import Status
 
 
@@ -59,9 +61,9 @@ def yielding(
     return tuple(found)
 
 
-def opening(problem: Problem, status: Status) -> str:
-    """In words that what sticks opens, where a structure comes apart; empty where nothing does."""
+def opening(problem: Problem, status: Status) -> Finding | None:
+    """Return the interface that sticks and opens, where a structure comes apart; None without."""
     sticks = [interface.name for interface in problem.interfaces if interface.law == STICK]
     if not sticks or status not in (Status.FREE, Status.UNSAFE):
-        return ""
-    return f"{sticks[0]} sticks, and opens freely: lacore.BOND in its place carries tension, too"
+        return None
+    return Finding(Kind.OPENS, (sticks[0],))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ from lacore.backend import (
     read_options,
 )
 from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
-from lacore.bodies.continuum.regions.lending import hardly_any, lend
+from lacore.bodies.continuum.regions.lending import hardly_any, next_to_none
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stresses.admissible import margins, weaker
@@ -32,14 +32,16 @@ from lacore.errors import CapabilityError, SolveError, typed
 from lacore.inner.preparing import preparing
 from lacore.limit.conversion import in_si, ray_in_si
 from lacore.limit.tables.contact_table import traction_table
-from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import PYTHON, Quantity
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers.compilation import SolveClock, started
 from lacore.solvers.isolation import make_ready
 from lacore.state import ProgramState
-from lacore.status import Rigor, Status
+from lacore.status import Reported, Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,14 +51,10 @@ if TYPE_CHECKING:
 _GOOD, _LEFT = 1e-6, 1e2
 _MORE, _ROUNDS = 1.001, 4  # of the load factor, up to which quadratic stresses take of strengths
 _TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead load
-_UNSETTLED = (
-    "not certified: the load factor grows as quadratic stresses of body forces leave less of"
-    " strengths; refine the mesh, or give forces by elements"
-)
 
 
 @dataclass(frozen=True, repr=False)
-class LowerBound(Shown):
+class LowerBound(Reported, Shown):
     """A statically admissible state, and the load factor that it proves.
 
     Attributes:
@@ -75,7 +73,7 @@ class LowerBound(Shown):
         solve_time: of everything after it but compilation, s, wall clock.
         compile_time: as of `LimitState`.
         options: of the backend, as they were given.
-        message: the status in words.
+        findings: What else there is to report; `message` is their text.
         model: the assembled problem.
         point: multipliers of the free unknowns (m/s at ``F0.U = 1``), stresses and reactions (Pa);
             None where there is no state.
@@ -91,7 +89,7 @@ class LowerBound(Shown):
     build_time: float
     solve_time: float
     options: Mapping[str, Any]
-    message: str
+    findings: tuple[Finding, ...]
     model: StaticModel
     point: ProgramState | None
     ray: Ray | None = None
@@ -115,7 +113,7 @@ class LowerBound(Shown):
 
     def facts(self) -> Facts:
         """What is proven, and how well."""
-        told = {"status": self.status.said(self.message)}
+        told = {"status": self.report.summary_for(PYTHON)}
         if self.certificate is not None:
             told["residual"] = (
                 f"equilibrium {self.certificate.equilibrium:.1e}, yield"
@@ -239,7 +237,7 @@ def lower_bound(
                 status=Status.NOT_CERTIFIED,
                 load_factor=np.nan,
                 rigor=Rigor.NOT_CERTIFIED,
-                message=_UNSETTLED,
+                findings=(Finding(Kind.FORCES_NOT_SETTLED, severity=Severity.REASON),),
             )
     if throw and bound.status is not Status.SOLVED:
         raise SolveError(bound.message, bound)
@@ -284,14 +282,14 @@ def _found(
         if attempts[-1].proves or attempts[-1].state is None:
             break
     inner = attempts[-1].inner
-    refuted = ""
+    refuted = None
     if attempts[-1].state is None:
         status = inner.status
         laws = associated_contact(program.contact)
         status, refuted, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
     bound = _bound(model, program, status, attempts, backend, options, build_time, clock)
     if refuted:
-        bound = replace(bound, message=f"{status.label}: {refuted}")
+        bound = replace(bound, findings=(refuted,))
     if ray is None:
         return bound
     return replace(bound, ray=ray_in_si(program.scales, ray, in_si(program.scales, ray.point)))
@@ -315,26 +313,6 @@ def _bound(
         load_factor = last.state.load_factor * scales.load_factor
         exact = all(dofs.body.geometry == "exact" for dofs in model.continua.values())
         rigor = Rigor.LOWER if exact else Rigor.DISCRETE
-    message = f"{status.label}: {status.value}"
-    if status is Status.UNSAFE:
-        message = (
-            "unsafe: no stress of these elements carries the dead loads; refine the mesh, unless"
-            " `solve` finds that they collapse the structure"
-        )
-    elif status is Status.NOT_CERTIFIED and last.after is not None:
-        message = (
-            f"not certified: stresses stay {last.after.equilibrium:.1e} of the load out of"
-            f" equilibrium, or beyond strength by {last.after.yield_violation:.1e}; {_fix(model)}"
-        )
-    elif status is Status.SOLVED and last.after is not None:
-        message = (
-            f"solved: admissible stresses prove it, about {last.after.gap:.1e} of the power below"
-            f" the best that these elements have; the solver says {last.inner.native_status!r}"
-        )
-        if rigor is Rigor.DISCRETE:
-            message += f"; {POLYGON}"
-    if last.inner.message:
-        message += f" ({last.inner.message})"
     return LowerBound(
         status=status,
         load_factor=float(load_factor),
@@ -346,22 +324,38 @@ def _bound(
         solve_time=clock.seconds,
         compile_time=clock.compile_time,
         options=dict(options),
-        message=message,
+        findings=tuple(_findings(model, status, rigor, last)),
         model=model,
         point=None if last.state is None else in_si(program.scales, last.state),
     )
 
 
-def _fix(model: StaticModel) -> str:
-    """What to do about stresses that are not admissible in the end."""
+def _findings(model: StaticModel, status: Status, rigor: Rigor, last: Attempt) -> Iterator[Finding]:
+    """Yield what the last attempt proves, or what it lacks."""
+    reason, after = Severity.REASON, last.after
+    if status is Status.UNSAFE:
+        yield Finding(Kind.NO_STRESSES, severity=reason)
+    elif status is Status.NOT_CERTIFIED and after is not None:
+        lacks = {"equilibrium": after.equilibrium, "beyond": after.yield_violation}
+        yield Finding(Kind.STRESSES_NOT_ADMISSIBLE, (), lacks, reason)
+        yield from _fixes(model)
+    elif status is Status.SOLVED and after is not None:
+        values = {"gap": after.gap, "native": last.inner.native_status}
+        yield Finding(Kind.ADMISSIBLE_STRESSES, (), values, reason)
+        if rigor is Rigor.DISCRETE:
+            yield Finding(Kind.POLYGON, severity=Severity.WARNING)
+    if last.inner.message:
+        yield Finding(Kind.BACKEND, values={"text": last.inner.message})
+
+
+def _fixes(model: StaticModel) -> Iterator[Finding]:
+    """Yield what to do about stresses that are not admissible in the end."""
     dead, bodies = model.full.dead_load, {name: own.body for name, own in model.continua.items()}
     weak = {name: own for name, body in bodies.items() if (own := hardly_any(body, dead))}
-    if weak:  # neither a tolerance nor a mesh leaves them more
-        return "; ".join(
-            f"{name!r} carries {own:.1e} Pa where nothing presses it, which leaves proofs hardly"
-            f" any room: {lend(bodies[name], dead)}, or take another of the backends 'clarabel' and"
-            " 'interior_point'"
-            for name, own in weak.items()
-        )
-    angle = min(map(smallest_angle, bodies.values()))
-    return f"tighten the backend's tolerance, or fix the mesh (smallest angle {angle:.2g} degrees)"
+    for name, own in weak.items():  # neither a tolerance nor a mesh leaves them more
+        lent = next_to_none(bodies[name], dead)
+        values = {"strength": Quantity(own, "Pa", ".1e"), "lent": Quantity(lent, "Pa", ".1e")}
+        yield Finding(Kind.STRENGTH_TOO_SMALL, (name,), values, Severity.REASON)
+    if not weak:
+        angle = min(map(smallest_angle, bodies.values()))
+        yield Finding(Kind.COARSE_TOLERANCE, (), {"angle": angle}, Severity.REASON)

@@ -49,20 +49,21 @@ from lacore.program import (
 )
 from lacore.reduction import reduced
 from lacore.reporting import terms
-from lacore.reporting.text import text
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import PYTHON, text
 from lacore.showing import Facts, Picture, Shown
 from lacore.state import ProgramState
-from lacore.status import Rigor, Status
+from lacore.status import Reported, Rigor, Status
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided
 _INSIDE = 1e-4  # residual of a velocity that is inside, and need not be the best
-_MEND = "tighten the backend's tolerance, or fix the mesh"
 _NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may be rigid
 
 
 @dataclass(frozen=True, repr=False)
-class UpperBound(Shown):
+class UpperBound(Reported, Shown):
     """A kinematically admissible velocity, and the load factor that it proves.
 
     Attributes:
@@ -78,7 +79,7 @@ class UpperBound(Shown):
         dissipation: plastic power of each element by continuum, shape (elements,), in the unit of
             load factors; half of that of a velocity jump on either side, all of it at a boundary.
         state: the solve that it was made of; its load factor is that of the vertex rule.
-        message: what is proven, or what stands in the way and what to do about it.
+        findings: What else there is to report; `message` is their text.
     """
 
     status: Status
@@ -89,7 +90,7 @@ class UpperBound(Shown):
     velocity: Floats
     dissipation: Mapping[str, Floats]
     state: LimitState
-    message: str
+    findings: tuple[Finding, ...]
 
     @property
     def discretisation(self) -> Discretisation:
@@ -113,7 +114,7 @@ class UpperBound(Shown):
     def facts(self) -> Facts:
         """What is proven, and how well."""
         told = {
-            "status": self.status.said(self.message),
+            "status": self.report.summary_for(PYTHON),
             "residual": f"divergence {self.divergence:.1e}, penetration {self.penetration:.1e}",
             "solved by": f"{self.state.backend} in {self.state.solve_time:.3g} s,"
             f" after {self.state.build_time:.3g} s of assembly",
@@ -310,13 +311,13 @@ def _bound(
         - float(full.dead_load @ velocity)
     )
     status = Status.SOLVED if proves else Status.NOT_CERTIFIED
-    message = f"{status.label}: {status.value}"
-    if proves and (reached := reached_supports(discretisation, velocity)):
-        message += f"; {reached}"
+    reached = reached_supports(discretisation, velocity) if proves else None
+    findings: tuple[Finding, ...] = (reached,) if reached else ()
     if not proves:
+        leaks = {"leak": float(leak), "penetration": float(penetration)}
         why = corners or _impossible(full, pressed, velocity)
-        why = why or f"the velocity leaks {leak:.1e}, or penetrates by {penetration:.1e}; {_MEND}"
-        message = f"{status.label}: {why}; its solve: {state.message}"
+        why = why or Finding(Kind.VELOCITY_NOT_ADMISSIBLE, (), leaks, Severity.REASON)
+        findings = (why, Finding(Kind.SOLVE, values={"report": state.report}))
     return UpperBound(
         status=status,
         load_factor=load_factor if proves else np.nan,
@@ -326,27 +327,24 @@ def _bound(
         velocity=velocity,
         dissipation=power,
         state=state,
-        message=message,
+        findings=findings,
     )
 
 
 def _impossible(
     program: KinematicProgram, pressed: Sequence[DissipationGroup], velocity: Floats
-) -> str:
-    """Which soil cannot flow so, and by how much; empty where all can."""
+) -> Finding | None:
+    """Return which soil cannot flow so, and by how much; None where all can."""
     fastest = max(np.abs(g.cone_vectors(velocity)).max(initial=0.0) for g in program.groups)
-    told = []
-    for group in pressed:
-        most = group.impossible(velocity).max(initial=0.0)
-        if not most <= 0:
-            told.append(f"{group.name!r} by {most / fastest:.1e}")
-    if not told:
-        return ""
-    return (
-        f"soil dilates too little for its friction, {', '.join(told)} of the largest strain rate:"
-        " what holds it leaves hardly any room; move supports farther away, refine the mesh, or"
-        " take 'p2-vertex', whose velocities do not jump"
+    most = {group.name: group.impossible(velocity).max(initial=0.0) for group in pressed}
+    beyond = {name: float(size / fastest) for name, size in most.items() if not size <= 0}
+    if not beyond:
+        return None
+    regions = tuple(
+        Finding(Kind.REGION_BEYOND, (name,), {"size": size}) for name, size in beyond.items()
     )
+    values = {"regions": regions}
+    return Finding(Kind.FLOW_NOT_POSSIBLE, tuple(beyond), values, Severity.REASON)
 
 
 def _unbounded(state: LimitState) -> UpperBound:
@@ -360,7 +358,7 @@ def _unbounded(state: LimitState) -> UpperBound:
         velocity=nothing,
         dissipation={},
         state=state,
-        message=state.message,
+        findings=state.findings,
     )
 
 

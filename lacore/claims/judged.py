@@ -11,6 +11,8 @@ from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.claims.locking_ray import LockingRay, locking_ray
 from lacore.inner.preparing import preparing
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 from lacore.solvers.registry import JUDGE
 from lacore.status import Status
 
@@ -26,8 +28,8 @@ def judged_claim(
     carrying: FrozenContact,
     prepare: Prepare,
     tolerance: float,
-) -> tuple[Status, str, Ray | None]:
-    """What a claim is worth, in words why another status takes its place, and what proves it.
+) -> tuple[Status, Finding | None, Ray | None]:
+    """Return the status that is proven in place of a claim, why it differs, and its proof.
 
     A structure is UNSAFE by a mechanism of its dead load, also where it was called locked or
     jammed: what the load cannot move may stand beside what falls. It is LOCKED by reactions that
@@ -43,30 +45,29 @@ def judged_claim(
         tolerance: bar for the residuals of a velocity.
     """
     if status not in CLAIMED:
-        return status, "", None
+        return status, None, None
     collapse = dead_collapse(program.associated(), carrying, prepare, tolerance)
     if collapse is not None:
-        return Status.UNSAFE, "", collapse
+        return Status.UNSAFE, None, collapse
     if status is Status.JAM:
-        return status, "", None
+        return status, None, None
     if status is Status.UNSAFE:
-        why = "the solver calls the structure unsafe, and no mechanism of the dead load proves it"
+        why = Finding(Kind.UNSAFE_NOT_PROVEN, severity=Severity.REASON)
         return Status.NOT_CERTIFIED, why, None
     ray = locking_ray(program.at_friction(0.0), admitting)
     if ray is not None and ray.proves:
-        return status, "", ray
-    if why := _mechanism(program.at_friction(0.0), admitting, tolerance):
-        return Status.NOT_CERTIFIED, why, None
-    left = np.nan if ray is None else ray.residual
-    why = (
-        "the solver calls the load locked, and no reactions carry it alone: the closest leave"
-        f" {left:.1e} of the forces"
-    )
+        return status, None, ray
+    if refuted := _mechanism(program.at_friction(0.0), admitting, tolerance):
+        return Status.NOT_CERTIFIED, refuted, None
+    values = {"residual": np.nan if ray is None else ray.residual}
+    why = Finding(Kind.LOCKED_NOT_PROVEN, values=values, severity=Severity.REASON)
     return Status.NOT_CERTIFIED, why, None
 
 
-def _mechanism(program: KinematicProgram, contact: FrozenContact, tolerance: float) -> str:
-    """Return how a mechanism refutes that the load is locked; empty if none is found.
+def _mechanism(
+    program: KinematicProgram, contact: FrozenContact, tolerance: float
+) -> Finding | None:
+    """Return how a mechanism refutes that the load is locked; None if none is found.
 
     It is asked of lacore's own backend, not of the one that made the claim.
     """
@@ -74,13 +75,9 @@ def _mechanism(program: KinematicProgram, contact: FrozenContact, tolerance: flo
     with closing(preparing(judge, read_options(judge, {}))(program)) as solver:
         point = checked_answer(program, False, solver.solve(contact)).point
     if point is None:
-        return ""
+        return None
     found = certify(program, point, contact)
     sizes = {name: getattr(found, name) for name in ("penetration", "divergence", "normalisation")}
     if not all(size <= tolerance for size in sizes.values()):
-        return ""
-    shown = ", ".join(f"{name} {size:.1e}" for name, size in sizes.items())
-    return (
-        "the solver calls the load locked, but the program is feasible: backend"
-        f" {JUDGE!r} finds an admissible mechanism with F0.U = 1 ({shown})"
-    )
+        return None
+    return Finding(Kind.LOCKED_REFUTED, (), {"backend": JUDGE, **sizes}, Severity.REASON)

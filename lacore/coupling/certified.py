@@ -25,17 +25,15 @@ from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, mean, resumed, s_step, static_alone
 from lacore.numerics.anderson import Anderson
 from lacore.program import frictionless_contact
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 from lacore.state import ProgramState
 from lacore.status import Status
 
 _PATIENCE = 4  # steps in a row without progress
 _LONG = 20  # of an iteration whose gap rises and falls on its way
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
-_OUTSIDE = (
-    "the load lies outside of the friction cones: no reactions within them carry a part of it"
-)
-_ABOVE = "the residuals are small, but the associated law has a mechanism at a lower load factor"
-_TRIVIAL = "no reactions were found that carry a load, though the associated friction law has some"
+_OUTSIDE, _TRIVIAL = (Finding(Kind.LOAD_OUTSIDE_CONES),), (Finding(Kind.NO_REACTIONS),)
 _LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 
 
@@ -69,7 +67,7 @@ def _from_associated(run: Run) -> Coupled:
     anchor = anchored(run) if first.inner.status is Status.LOCKED else first
     static = anchor.inner.point
     if run.free(anchor):
-        return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
+        return replace(run.judged(anchor), findings=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     of_contact = (by_places, averaged, central_path, _damped, _alternated, _shifted)
@@ -93,7 +91,8 @@ def _bounded(run: Run, coupled: Coupled, first: Iterate) -> Coupled:
     slack = run.options.tolerance * kinematic_power(run.program, state)
     if state.load_factor <= upper + slack:
         return coupled
-    return replace(coupled, status=Status.NOT_CERTIFIED, note=_ABOVE)
+    refuted = Finding(Kind.LOWER_MECHANISM, severity=Severity.REASON)
+    return replace(coupled, status=Status.NOT_CERTIFIED, findings=(refuted,))
 
 
 def anchored(run: Run) -> Iterate:
@@ -142,7 +141,7 @@ def _undecided(run: Run, first: Iterate) -> Coupled:
     """No certificate within the budget: the Coulomb bounds of T14, and no number."""
     trivial = next((iterate for iterate in run.iterates if run.free(iterate)), None)
     if trivial is not None:
-        return replace(run.end(Status.FREE, trivial), note=_TRIVIAL)
+        return replace(run.end(Status.FREE, trivial), findings=_TRIVIAL)
     locked = first.inner.status is Status.LOCKED
     candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
     best = min(candidates, key=worst)

@@ -28,6 +28,7 @@ from lacore.errors import (
 )
 from lacore.inner.left_over import impossible
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
+from lacore.reporting.findings import Finding
 from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -139,9 +140,8 @@ class Coupled(Compact):
             come in a step: the last ratio seen; NaN where there is none.
         bracket: load factors that enclose every Coulomb one of the program (T14), for a loop that
             found none.
-        note: what the message of a status should say besides.
+        findings: What the loop has to report beside its status.
         tolerance: bar that residuals were judged by.
-        refuted: why the claim of a solver is not accepted, in place of the text of the status.
     """
 
     status: Status
@@ -150,9 +150,8 @@ class Coupled(Compact):
     laws: FrozenContact | None = None
     contraction: float = float("nan")
     bracket: tuple[float, float] | None = None
-    note: str = ""
+    findings: tuple[Finding, ...] = ()
     tolerance: float = 1e-6
-    refuted: str = ""
 
 
 def answered_by(coupled: Coupled, backend: str) -> str:

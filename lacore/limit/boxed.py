@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import wraps
 from typing import ParamSpec
 
-from lacore.bodies.continuum.regions.lending import lend, strengthless
+from lacore.bodies.continuum.regions.lending import next_to_none, strengthless
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.coupling.kinds import ASSOCIATED
 from lacore.limit import solve as states
@@ -18,6 +18,9 @@ from lacore.limit.larger import held_back
 from lacore.limit.reached import reached_supports
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import Quantity
 from lacore.solvers.registry import JUDGE
 from lacore.status import Rigor, Status
 
@@ -26,13 +29,13 @@ _TAKEN = ("__name__", "__qualname__", "__doc__", "__annotations__")  # not where
 
 
 def telling(solved: Callable[Given, LimitState]) -> Callable[Given, LimitState]:
-    """The function with messages that say which sides of soils hold them back, and what to try."""
+    """Return the function with findings on sides that hold soils back, and on what to try."""
 
     @wraps(solved, assigned=_TAKEN)
     def told(*args: Given.args, **kwargs: Given.kwargs) -> LimitState:
         state = solved(*args, **kwargs)
         more = _TOLD.get(state.status, _nothing)(state)
-        return replace(state, message=f"{state.message}; {more}") if more else state
+        return replace(state, findings=(*state.findings, *more)) if more else state
 
     return told
 
@@ -41,45 +44,44 @@ def _associated(problem: Problem) -> float:
     return states.solve(problem, JUDGE, "associated").load_factor
 
 
-def _beyond(state: LimitState) -> str:
+def _beyond(state: LimitState) -> tuple[Finding, ...]:
     """What more ground beside a soil would change, asked where speeds do not tell."""
     discretisation, point = state.discretisation, state.point
     if point is None or reached_supports(discretisation, point.velocity):
-        return ""
+        return ()
     normal = state.coupling == ASSOCIATED or discretisation.full.associated_flow
     known = state.load_factor if normal and state.rigor is not Rigor.REGULARISED else None
     return held_back(discretisation, point.velocity, _associated, known)
 
 
-def _room(state: LimitState) -> str:
+def _room(state: LimitState) -> tuple[Finding, ...]:
     """What to lend to bodies in which solvers find no digits."""
     found = state.discretisation
-    weak = {
-        name: dofs.body for name, dofs in found.continua.items() if any(strengthless(dofs.body))
+    bodies = {name: dofs.body for name, dofs in found.continua.items()}
+    lent = {
+        name: next_to_none(body, found.full.dead_load)
+        for name, body in bodies.items()
+        if any(strengthless(body))
     }
-    return "; ".join(
-        f"{name!r} carries nothing where nothing presses it, which leaves solvers no room:"
-        f" {lend(body, found.full.dead_load)}, by which its load factor hardly rises; or take"
-        " another of the backends 'clarabel' and 'interior_point'"
-        for name, body in weak.items()
+    return tuple(
+        Finding(Kind.HARDLY_STRONG, (name,), {"lent": Quantity(size, "Pa", ".1e")})
+        for name, size in lent.items()
     )
 
 
-def _water(state: LimitState) -> str:
+def _water(state: LimitState) -> tuple[Finding, ...]:
     """That free water has to be said, too, where a wet body falls without any."""
     dead = state.discretisation.problem.dead_loads
     wet = any(isinstance(load, PorePressure) for load in dead)
     standing = any(isinstance(load, StandingWater) for load in dead)
-    if not wet or standing:
-        return ""
-    return "where free water stands on the ground, it presses that, too: state a StandingWater"
+    return () if standing or not wet else (Finding(Kind.NO_STANDING_WATER),)
 
 
-def _nothing(state: LimitState) -> str:
-    return ""
+def _nothing(state: LimitState) -> tuple[Finding, ...]:
+    return ()
 
 
-_TOLD: Mapping[Status, Callable[[LimitState], str]] = {
+_TOLD: Mapping[Status, Callable[[LimitState], tuple[Finding, ...]]] = {
     Status.SOLVED: _beyond,
     Status.UNSAFE: _water,
     Status.NOT_CERTIFIED: _room,

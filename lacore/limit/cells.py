@@ -7,12 +7,9 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.crushing import Crushing, crushing_of
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.status import Status
-
-_FALLS = (
-    "of the cells of joints that crush: the joints carry more than these, finer ones"
-    " (lacore.Crushing, divisions) say how much"
-)
 
 
 def laws_of_crushing(problem: Problem) -> dict[str, Crushing]:
@@ -26,9 +23,9 @@ def from_below(problem: Problem) -> bool:
     return any(law.side == "below" for law in laws_of_crushing(problem).values())
 
 
-def told_of_fall(problem: Problem, status: Status) -> str:
-    """What UNSAFE is said of, where that is cells from below; else empty."""
-    return _FALLS if status is Status.UNSAFE and from_below(problem) else ""
+def fall_of_cells(problem: Problem, status: Status) -> Finding | None:
+    """Return that UNSAFE is proven of cells that carry less than their joints; else None."""
+    return Finding(Kind.CELLS_FALL) if status is Status.UNSAFE and from_below(problem) else None
 
 
 def with_cells(problem: Problem, laws: Mapping[str, Crushing], side: str) -> Problem:

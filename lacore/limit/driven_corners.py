@@ -6,12 +6,15 @@ from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import Quantity
 
 
 def driven_corners(
     discretisation: Discretisation, velocity: Floats | None, tolerance: float
-) -> str:
-    """In words which corners a velocity drives together, the worst first; empty where none.
+) -> Finding | None:
+    """Return which corners a velocity drives together, the worst of them; None without any.
 
     Args:
         discretisation: of the problem.
@@ -31,14 +34,11 @@ def driven_corners(
             one, other = (
                 dofs.body.names[block] for block in (meetings.first[worst], meetings.second[worst])
             )
-            x, y = meetings.place[:, worst]
-            does = "drives" if known else "may drive"
-            return (
-                f"of {name!r} the mechanism {does} corners of {one!r} and {other!r} into each other"
-                f" at ({x:.6g}, {y:.6g}) (such corners: {driven.size}), and contact at corners is"
-                " not modelled: cut one off, so that edges touch there"
-            )
-    return ""
+            kind = Kind.CORNERS_DRIVEN if known else Kind.CORNERS_MAY_BE_DRIVEN
+            place = Quantity(tuple(meetings.place[:, worst].tolist()), "m", ".6g")
+            values = {"one": one, "other": other, "place": place, "count": driven.size}
+            return Finding(kind, (name,), values, Severity.REASON)
+    return None
 
 
 def _relative(dofs: RigidDofs[BlockAssembly], velocity: Floats) -> Floats:

@@ -20,10 +20,13 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.conditions.loads import Fix
 from lacore.errors import InputError
-from lacore.limit.reached import doubtful_supports, told
+from lacore.limit.reached import doubtful_supports, side
 from lacore.limit.row_beyond import with_row_beyond
 from lacore.meshes.refinement import bisected
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import Quantity
 
 _DEPTH = 0.2  # of the body across the side: the row of elements beyond
 # Of the load factor. From 180 elements on, footings whose box ends a fifth before their mechanism
@@ -38,8 +41,8 @@ def held_back(
     velocity: Floats,
     solved: Callable[[Problem], float],
     load: float | None = None,
-) -> str:
-    """In words which sides of soils a mechanism would pass, and what it would carry; else empty.
+) -> tuple[Finding, ...]:
+    """Return which sides of soils a mechanism would pass, and how much less it would carry.
 
     Asked of sides beside which elements are too large for speeds to tell.
 
@@ -57,12 +60,10 @@ def held_back(
         larger = with_ground_beyond(problem, support, depth * outward)
         less = 0.0 if larger is None else _less(problem, larger, support.body, solved, load)
         if less > _LESS:
-            found.append(
-                f"the mechanism reaches {told(support)}: with {depth:.3g} m of additional ground,"
-                f" the load factor is {100 * less:.0f} % lower; if the ground continues there, make"
-                " the body larger"
-            )
-    return "; ".join(found)
+            values = {"depth": Quantity(depth, "m", ".3g"), "percent": 100 * less}
+            where = (side(support),)
+            found.append(Finding(Kind.MORE_GROUND, where, values, Severity.WARNING))
+    return tuple(found)
 
 
 def _less(
@@ -113,9 +114,9 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
     if type(body.mesh) is not MeshTri1:
         return None
     mesh, facets = body.mesh, facets_of(support, body)
-    side = np.unique(mesh.facets[:, facets])
+    held = np.unique(mesh.facets[:, facets])
     height = step @ mesh.p / np.linalg.norm(step)
-    if height.max() - height[side].min() > _FLAT * body.size:
+    if height.max() - height[held].min() > _FLAT * body.size:
         return None
     parts: dict[str, Ints] = {}
     going_on: set[str] = set()
@@ -129,20 +130,20 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
             going_on.add(name)
         return replace(part, where=name)
 
-    def turned(side: Any) -> Any:
+    def turned(own: Any) -> Any:
         """A side of an interface: an obstacle stays."""
-        if not isinstance(side, tuple) or side[0] != support.body:
-            return side
+        if not isinstance(own, tuple) or own[0] != support.body:
+            return own
         name = f"part {len(parts)}"
-        parts[name] = body.boundary(side[1], "Interface")[0]
-        return side[0], name
+        parts[name] = body.boundary(own[1], "Interface")[0]
+        return own[0], name
 
     live = [moved(load, False) for load in problem.reference_loads]
     interfaces = [
         replace(own, slave=turned(own.slave), master=turned(own.master))
         for own in problem.interfaces
     ]
-    if any(np.isin(mesh.facets[:, own], side).any() for own in parts.values()):
+    if any(np.isin(mesh.facets[:, own], held).any() for own in parts.values()):
         return None
     supports = [moved(own, True) for own in problem.supports]
     dead = [moved(load, True) for load in problem.dead_loads]

@@ -14,6 +14,8 @@ from lacore.bodies.continuum.loaded import facets_of
 from lacore.conditions.loads import Fix
 from lacore.conditions.where import where_name
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 
 # Of the size of a body: motion this far from where it is held is motion at it.
 _NEAR = 0.02
@@ -29,8 +31,8 @@ _WHOLE = ("xy", "xyz")  # of the plane, and in space: held altogether
 _FACING = -0.99  # cosine of outward normals of sides that face each other
 
 
-def reached_supports(discretisation: Discretisation, velocity: Floats | None) -> str:
-    """In words which supports of soils the mechanism comes to; empty where none.
+def reached_supports(discretisation: Discretisation, velocity: Floats | None) -> Finding | None:
+    """Return which supports of soils the mechanism reaches; None without any.
 
     Of soil with friction, and of supports that hold it altogether, or are the rollers of a box:
     along a plane of symmetry it may move. Speeds rise from a support; what they are at 2 % of the
@@ -48,20 +50,12 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
             continue
         near = _beside(dofs, facets_of(support, dofs.body), speed)
         if near > (_ROLLS if rollers else _MOVES) * fastest > 0:
-            reached.append(told(support))
+            reached.append(side(support))
             rolling |= rollers
     if not reached:
-        return ""
-    sides = " and ".join(reached)
-    if rolling:
-        return (
-            f"the mechanism reaches {sides}: unless this is a plane of symmetry or the end of the"
-            " ground, make the body larger, because the load factor may change"
-        )
-    return (
-        f"the mechanism reaches {sides}: if the ground continues there, make the body larger,"
-        " because the load factor may decrease"
-    )
+        return None
+    kind = Kind.REACHES_ROLLERS if rolling else Kind.REACHES_SUPPORT
+    return Finding(kind, tuple(reached), severity=Severity.WARNING)
 
 
 def doubtful_supports(
@@ -82,8 +76,8 @@ def doubtful_supports(
     return tuple(found)
 
 
-def told(support: Fix) -> str:
-    """The side that a support holds, for messages: ``soil.bottom``."""
+def side(support: Fix) -> str:
+    """Return the name of the side that a support holds: ``soil.bottom``."""
     return f"{support.body}.{where_name(support.where)}"
 
 

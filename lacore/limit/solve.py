@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
@@ -36,7 +36,6 @@ from lacore.limit.hinging import ROUNDS, excess, hinged
 from lacore.limit.reached import reached_supports
 from lacore.limit.stability import warning
 from lacore.limit.state import LimitState
-from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
 from lacore.program import (
     KinematicProgram,
@@ -45,10 +44,12 @@ from lacore.program import (
     frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.isolation import SolverProcess, make_ready
 from lacore.solvers.registry import JUDGE
-from lacore.status import Rigor, Status
+from lacore.status import Rigor, Scope, Status
 
 TOLERANCE = 1e-6
 ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
@@ -144,13 +145,13 @@ def solve(
         times = ("build_time", "solve_time", "compile_time")
         state = replace(state, **{own: getattr(last, own) + getattr(state, own) for own in times})
     if state.status is Status.SOLVED and excess(state) > bar:
+        why = Finding(Kind.MOMENTS_INSIDE, (), {"excess": excess(state)}, Severity.REASON)
         state = replace(
             state,
             status=Status.NOT_CERTIFIED,
             load_factor=np.nan,
             rigor=Rigor.NOT_CERTIFIED,
-            message=f"{Status.NOT_CERTIFIED.label}: moments inside members exceed the plastic"
-            f" moment by {excess(state):.1e}: put nodes where they peak",
+            findings=(why,),
         )
     if throw and state.status is not Status.SOLVED:
         raise SolveError(state.message, state)
@@ -208,7 +209,7 @@ def _solved(
             prepare,
             tolerance,
         )
-        coupled = replace(coupled, status=status, note="", refuted=why)
+        coupled = replace(coupled, status=status, findings=(why,) if why else ())
     state = limit_state(
         problem,
         program,
@@ -235,8 +236,7 @@ def _falling(state: LimitState) -> LimitState:
     corners = driven_corners(state.discretisation, moved, state.tolerance)
     if not corners:
         return state
-    status = Status.NOT_CERTIFIED
-    return replace(state, status=status, message=f"{status.label}: {state.message}; but {corners}")
+    return replace(state, status=Status.NOT_CERTIFIED, findings=(corners, *state.findings))
 
 
 def limit_state(
@@ -257,7 +257,7 @@ def limit_state(
     """
     final, scales = coupled.final, program.scales
     inner, point, certificate = final.inner, final.state, final.certificate
-    corners = reached = ""
+    corners = reached = None
     if coupled.status in _MOVING:
         moved = None if point is None else discretisation.free_basis @ point.velocity
         corners = driven_corners(discretisation, moved, tolerance)
@@ -275,40 +275,23 @@ def limit_state(
         load_factor = point.load_factor * scales.load_factor
     history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
     history["load_factor"] *= scales.load_factor
-    message = f"{coupled.status.label}: {coupled.refuted or coupled.status.value}"
-    if coupled.status is Status.SOLVED and inner.status is not Status.SOLVED:
-        message += f"; the solver itself says {inner.native_status!r}, the residuals prove more"
     bracket = None
     if coupled.bracket is not None:
         lower, upper = (end * scales.load_factor for end in coupled.bracket)
         if driven_corners(discretisation, None, tolerance):  # contact there may carry more
             upper = np.inf
         bracket = (lower, upper)
-        of = discretisation.scope.phrase
-        message += f"; every Coulomb load factor{of} is in [{lower:.6g}, {upper:.6g}]"
     rigor = _rigor(discretisation, coupled.status, coupling, regularised)
-    ranging = program.frictional and coupled.status is Status.SOLVED
-    bodies = [dofs.body for dofs in discretisation.continua.values()]
-    if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):
-        message += f"; {POLYGON}"
-    if ranging:
-        message += f"; {_ONE_OF_MANY}"
-    apart = opening(discretisation.problem, coupled.status)
-    falls = cells.told_of_fall(discretisation.problem, coupled.status)
-    notes = (corners, reached, apart, warning(coupled, load_factor), falls, coupled.note)
-    message += "".join(f"; {note}" for note in notes if note)
-    if inner.message:
-        message += f" ({inner.message})"
-    if coupled.status is Status.LOCKED and discretisation.continua:
-        message += (
-            "; of the discrete problem: a deformable body may have a motion that this mesh has not;"
-            " refine it, or ask lacore.lower_bound, which speaks of the continuum"
-        )
-    if coupled.status is Status.SOLVED and discretisation.shared_corners.any():
-        message += (
-            "; contact points with friction meet at a corner, where reactions, and with them the"
-            " load factor, may not be unique"
-        )
+    findings = (
+        corners,
+        *_scope(discretisation, program, coupled, rigor, bracket),
+        reached,
+        opening(discretisation.problem, coupled.status),
+        warning(coupled, load_factor),
+        cells.fall_of_cells(discretisation.problem, coupled.status),
+        *coupled.findings,
+        Finding(Kind.BACKEND, (), {"text": inner.message}) if inner.message else None,
+    )
     return LimitState(
         status=coupled.status,
         load_factor=float(load_factor),
@@ -324,11 +307,37 @@ def limit_state(
         solve_time=np.nan,
         options=dict(options),
         tolerance=tolerance,
-        message=message,
+        findings=tuple(own for own in findings if own is not None),
         discretisation=discretisation,
         point=None if point is None else point_in_si(discretisation, point),
         answered_by=answered_by(coupled, backend),
     )
+
+
+def _scope(
+    discretisation: Discretisation,
+    program: KinematicProgram,
+    coupled: Coupled,
+    rigor: Rigor,
+    bracket: tuple[float, float] | None,
+) -> Iterator[Finding]:
+    """Yield what is proven, and of which problem."""
+    inner, solved = coupled.final.inner, coupled.status is Status.SOLVED
+    if solved and inner.status is not Status.SOLVED:
+        yield Finding(Kind.NATIVE_STATUS, values={"native": inner.native_status})
+    if bracket is not None:
+        discrete = discretisation.scope is Scope.DISCRETE
+        kind = Kind.BRACKET_OF_MESH if discrete else Kind.BRACKET
+        yield Finding(kind, values={"lower": float(bracket[0]), "upper": float(bracket[1])})
+    bodies = [dofs.body for dofs in discretisation.continua.values()]
+    if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):
+        yield Finding(Kind.POLYGON, severity=Severity.WARNING)
+    if program.frictional and solved:
+        yield Finding(Kind.OTHER_LOAD_FACTORS, severity=Severity.WARNING)
+    if coupled.status is Status.LOCKED and discretisation.continua:
+        yield Finding(Kind.LOCKED_ON_MESH)
+    if solved and discretisation.shared_corners.any():
+        yield Finding(Kind.SHARED_CORNERS, severity=Severity.WARNING)
 
 
 def _rigor(
@@ -354,9 +363,6 @@ def strict_bound(discretisation: Discretisation) -> bool:
         )
         and all(linear(load, bodies[load.body]) for load in loads)
     )
-
-
-_ONE_OF_MANY = "one of several, maybe: flow is not associated; lacore.soil_range looks for others"
 
 
 def _in_si(values: RegularisedValues | None, scales: Scales) -> RegularisedValues | None:

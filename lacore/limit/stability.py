@@ -36,13 +36,14 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.reporting.findings import Finding, Severity, texts
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import PYTHON, Reader
 from lacore.showing import Facts, Shown
 from lacore.solvers.registry import JUDGE
 from lacore.state import ProgramState
 from lacore.status import Status
 
-_INSIDE = "moments inside members exceed the plastic moment: put nodes where they peak"
-_DISCRETE = "proven for this mesh; `lacore.stable` proves it for the continuum"
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
 
@@ -73,7 +74,7 @@ class Stability(Shown):
         point: SI units: where it stands, stresses and reactions under the dead loads alone, without
             a velocity; where it falls, the mechanism, at ``Fd.u = 1``. None where undecided.
         residual: largest one of that proof; NaN where undecided.
-        why: what keeps it from being decided, or of what it is proven; else empty.
+        findings: Why it is not decided, or for what it is proven.
     """
 
     standing: Standing
@@ -82,7 +83,12 @@ class Stability(Shown):
     side: str
     point: ProgramState | None
     residual: float
-    why: str = ""
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def why(self) -> str:
+        """Text of the findings: why it is not decided, or for what it is proven; may be empty."""
+        return texts(self.findings)
 
     def facts(self) -> Facts:
         """What is proven, and how well."""
@@ -93,9 +99,18 @@ class Stability(Shown):
         told["residual"] = f"largest {self.residual:.1e}"
         return Facts(f"Stability: {self.standing.label}: {self.standing.value}", told)
 
+    def text_for(self, reader: Reader) -> str:
+        """Return what is proven, for a reader, without the label."""
+        why = texts(self.findings, reader)
+        return f"{self.proven} ({why})" if why else self.proven
+
     def __str__(self) -> str:
-        text = f"{self.standing.label}: {self.standing.value}{self._carried}"
-        return f"{text} ({self.why})" if self.why else text
+        return f"{self.standing.label}: {self.text_for(PYTHON)}"
+
+    @property
+    def proven(self) -> str:
+        """What is proven, without the findings."""
+        return f"{self.standing.value}{self._carried}"
 
     @property
     def _carried(self) -> str:
@@ -152,9 +167,10 @@ def stability_of(
     found = carrying(program, laws, prepare, tolerance)
     if found.carried is not None:
         point = point_in_si(discretisation, found.carried)
-        if span_excess(discretisation, point) > tolerance:
-            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
-        why = _DISCRETE if discretisation.continua else ""
+        if (excess := span_excess(discretisation, point)) > tolerance:
+            inside = Finding(Kind.MOMENTS_INSIDE, values={"excess": excess})
+            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, inside)
+        why = Finding(Kind.STANDS_ON_MESH) if discretisation.continua else None
         own = [0.0, *known]
         return _stability(Standing.STANDS, own, load_factor, point, found.residual, why)
     if found.falling is None:
@@ -164,26 +180,18 @@ def stability_of(
     if corners := driven_corners(discretisation, point.velocity, tolerance):
         return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
     known += _carried_ends(discretisation, program, laws, prepare, tolerance)
-    why = cells.told_of_fall(discretisation.problem, Status.UNSAFE)
+    why = cells.fall_of_cells(discretisation.problem, Status.UNSAFE)
     return _stability(Standing.FALLS, known, load_factor, point, found.residual, why)
 
 
-def warning(coupled: Coupled, load_factor: float) -> str:
-    """What a load factor alone would not tell, from what the loop has seen; empty of most."""
+def warning(coupled: Coupled, load_factor: float) -> Finding | None:
+    """Return what a load factor alone does not tell, from what the loop has seen; mostly None."""
     first = coupled.iterates[0]
     if coupled.status is not Status.SOLVED:
-        return ""
+        return None
     if first.kind == "associated" and first.inner.status is Status.LOCKED:
-        return (
-            "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
-            " structure may stand above this load factor and not below; see `state.stability`"
-        )
-    if load_factor < 0:
-        return (
-            "the load factor is negative: the dead loads alone may not be carried; see"
-            " `state.stability`"
-        )
-    return ""
+        return Finding(Kind.LARGER_LOADS, severity=Severity.WARNING)
+    return Finding(Kind.NEGATIVE, severity=Severity.WARNING) if load_factor < 0 else None
 
 
 def _stability(
@@ -192,7 +200,7 @@ def _stability(
     load_factor: float,
     point: ProgramState | None,
     residual: float,
-    why: str = "",
+    why: Finding | None = None,
 ) -> Stability:
     low, high = min(carried, default=np.nan), max(carried, default=np.nan)
     side = ""
@@ -200,7 +208,7 @@ def _stability(
         slack = _SAME * max(abs(value) for value in (low, high, load_factor) if np.isfinite(value))
         below, above = low < load_factor - slack, high > load_factor + slack
         side = {(1, 0): "below", (0, 1): "above", (1, 1): "both"}.get((below, above), "")
-    return Stability(standing, low, high, side, point, residual, why)
+    return Stability(standing, low, high, side, point, residual, (why,) if why else ())
 
 
 def _carried_ends(

@@ -31,10 +31,12 @@ from lacore.limit.tables.contact_table import Table, contact_table
 from lacore.limit.tables.held_parts import support_reactions
 from lacore.program import KinematicProgram
 from lacore.regularization import RegularisedValues
+from lacore.reporting.findings import Finding
+from lacore.reporting.text import PYTHON
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers.compilation import started
 from lacore.state import ProgramState
-from lacore.status import Rigor, Status
+from lacore.status import Reported, Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,7 +45,7 @@ _MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at 
 
 
 @dataclass(frozen=True, repr=False)
-class LimitState(Shown):
+class LimitState(Reported, Shown):
     """A plastic collapse state, or the reason why there is none.
 
     Attributes:
@@ -69,7 +71,8 @@ class LimitState(Shown):
             if that was done before.
         options: of the backend, as they were given.
         tolerance: bar for the residuals.
-        message: the status in words, with what the backend added.
+        findings: What else there is to report, see `lacore.reporting.findings`; `message` is their
+            text.
         discretisation: the assembled problem.
         point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa, t_n with
             `ContactRows.tension`); None where there is no state. For a status other than SOLVED it
@@ -92,7 +95,7 @@ class LimitState(Shown):
     solve_time: float
     options: Mapping[str, Any]
     tolerance: float
-    message: str
+    findings: tuple[Finding, ...]
     discretisation: Discretisation
     point: ProgramState | None
     ray: Ray | None = None
@@ -303,7 +306,7 @@ class LimitState(Shown):
 
     def facts(self) -> Facts:
         """What is known: nothing is computed for it."""
-        told = {"status": self.status.said(self.message)}
+        told = {"status": self.report.summary_for(PYTHON)}
         if self.certificate is not None:
             told["residual"] = self.certificate.summary
         elif self.ray is not None:
@@ -341,7 +344,7 @@ class LimitState(Shown):
             lines.append(f"largest residual {size:.1e} ({residual})")
         if self.status is not Status.SOLVED:
             lines.append(self.message)
-        elif note := self.status.added(self.message):
+        elif note := self.report.notes_for(PYTHON):
             lines.append(note)
         if self.ray is not None:
             lines.append(f"proof: {self.ray}")

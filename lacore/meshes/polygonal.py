@@ -9,10 +9,6 @@ from scipy.sparse.csgraph import connected_components
 from lacore.arrays import Bools, Ints
 from lacore.meshes.curved import is_curved
 
-POLYGON = (
-    "it is of the polygon that stands for a curved outline (Body.geometry='approximated'), not of"
-    " the body"
-)
 _LABEL = "_lacore_geometry"
 _STRAIGHT = 4.5e-5  # rad: edges on one line, up to coordinates of nine digits
 _SMALL = np.radians(61.0)  # a corner that is meant turns by more, if there are several in a row

@@ -144,7 +144,7 @@ class Walk:
             raise PathEndError(Ending.NO_CONTACT, f"tools {names}: {Ending.NO_CONTACT.value}")
         if state.status is not Status.SOLVED or state.point is None:
             way_out = "" if state.status is Status.UNSAFE else _OTHER_SHAPES
-            message = state.status.by(state.backend, state.message)
+            message = str(state.unanswered(state.backend))
             raise PathEndError(Ending.NOT_SOLVED, message + way_out)
         self.pressed = np.maximum(state.point.normal_reaction, 0.0)
         if self.selection is not None:

@@ -22,6 +22,7 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.sharing import solved
 from lacore.questions.worth import proven, worth
+from lacore.reporting.text import PYTHON
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.status import Rigor, Status
 
@@ -219,7 +220,7 @@ def _of_state(name: str, state: LimitState) -> dict[str, Any]:
         "rigor": state.rigor.label,
         "residual": np.nan if state.certificate is None else state.certificate.worst[1],
         "seconds": state.build_time + state.solve_time,
-        "message": state.status.said(state.message),
+        "message": state.report.summary_for(PYTHON),
     }
 
 

@@ -23,6 +23,8 @@ from lacore.limit.solve import strict_bound
 from lacore.limit.stability import Stability, Standing, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding, Message, Severity
+from lacore.reporting.kinds import Kind
 from lacore.showing import Facts, Picture, Shown
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.registry import JUDGE
@@ -119,7 +121,7 @@ def stable(
     if found.standing is Standing.FALLS and cells.from_below(problem):
         more = cells.with_cells(problem, cells.laws_of_crushing(problem), "above")
         falls = stability_of(discretise(more), *given).standing is Standing.FALLS
-        found = replace(found, why="") if falls else _undecided(found, found.why)
+        found = replace(found, findings=()) if falls else _undecided(found, found.findings)
     found = _of_the_continuum(problem, discretisation, found, backend, options or {})
     status = _STATUS[found.standing]
     state = LimitState(
@@ -138,7 +140,10 @@ def stable(
         compile_time=clock.compile_time,
         options=dict(options or {}),
         tolerance=tolerance,
-        message=str(found),
+        findings=(
+            Finding(Kind.DEAD_LOADS, (), {"standing": found.proven}, Severity.REASON),
+            *found.findings,
+        ),
         discretisation=discretisation,
         point=found.point,
     )
@@ -163,24 +168,27 @@ def _of_the_continuum(
         return found
     if find_backend(backend).capabilities.regularised:
         backend, options = JUDGE, {}
+    why: Message | str
     try:
         alone = associated(with_associated_flow(problem.with_loads(problem.dead_loads, [])))
         if found.standing is Standing.STANDS:
             below = lower_bound(alone, backend, options=options)
             carried = below.rigor is Rigor.LOWER and below.load_factor >= 1
-            proven, why = carried or below.status is Status.LOCKED, below.message
+            proven, why = carried or below.status is Status.LOCKED, below.report
         else:
             above = upper_bound(alone, backend, options=options)
             proven = above.rigor is Rigor.UPPER and above.load_factor < 1
-            why = above.message
+            why = above.report
     except (InputError, CapabilityError) as refused:
-        proven, why = False, str(refused)
-    said = f"of the discrete problem it {found.standing.label}, of the continuum not proven: {why}"
-    return found if proven else _undecided(found, said)
+        proven, why = False, refused.text
+    if proven:
+        return found
+    values = {"standing": found.standing.label, "why": why}
+    return _undecided(found, (Finding(Kind.CONTINUUM_NOT_PROVEN, values=values),))
 
 
-def _undecided(found: Stability, why: str) -> Stability:
-    return replace(found, standing=Standing.UNDECIDED, residual=np.nan, why=why)
+def _undecided(found: Stability, findings: tuple[Finding, ...]) -> Stability:
+    return replace(found, standing=Standing.UNDECIDED, residual=np.nan, findings=findings)
 
 
 @typed()

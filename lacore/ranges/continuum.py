@@ -91,4 +91,4 @@ def _strict(bound: LowerBound | UpperBound) -> float:
 def _why(bound: LowerBound | UpperBound, backend: str) -> str:
     if bound.rigor is Rigor.DISCRETE:
         return _NOT_STRICT
-    return bound.status.by(backend, bound.message)
+    return str(bound.unanswered(backend))

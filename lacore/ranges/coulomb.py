@@ -30,10 +30,11 @@ from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
 from lacore.ranges.told import residuals, short
 from lacore.reporting import terms
-from lacore.reporting.text import text
+from lacore.reporting.findings import Finding
+from lacore.reporting.text import PYTHON, text
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.solvers.compilation import SolveClock
-from lacore.status import Scope, Status
+from lacore.status import Reported, Scope, Status
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
 _COLUMNS = ["restart", "origin", "low", "high", "low_end", "high_end", "residual", "solves"]
@@ -41,7 +42,7 @@ _CLOSE = 1e-6  # relative: a load factor this close to a bound has reached it
 
 
 @dataclass(frozen=True, repr=False)
-class CoulombRange(Shown):
+class CoulombRange(Reported, Shown):
     """The lowest and the highest Coulomb load factor found, in SI units.
 
     Each is proven to be one, by its certificate. That there is none lower or higher is proven only
@@ -70,7 +71,7 @@ class CoulombRange(Shown):
         seed, restarts: of the search.
         solves: inner solves of the search.
         solve_time: s, wall clock, without the compilation of the backend.
-        message: the status in words.
+        findings: What else there is to report; `message` is their text.
         stopped: why the search ended before its restarts did; empty where it did not.
         ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
     """
@@ -90,7 +91,7 @@ class CoulombRange(Shown):
     restarts: int
     solves: int
     solve_time: float
-    message: str
+    findings: tuple[Finding, ...]
     stopped: str = ""
     ray: Ray | None = None
 
@@ -114,7 +115,7 @@ class CoulombRange(Shown):
         if self.scope is Scope.DISCRETE:
             below, above = self.continuum
             proven += f", those of the continuum in [{below:.7g}, {above:.7g}]"
-        told = {"status": self.status.said(self.message), "proven": proven}
+        told = {"status": self.report.summary_for(PYTHON), "proven": proven}
         told |= residuals(self.lowest, self.highest)
         told |= {} if self.ray is None else {"proof": str(self.ray)}
         told["solved by"] = (
@@ -324,7 +325,7 @@ def coulomb_range(
         restarts=restarts,
         solves=search.solves + len(first.history) + 2,
         solve_time=clock.seconds,
-        message=first.message,
+        findings=first.findings,
         stopped=stopped,
         ray=None if ends else first.ray,
     )

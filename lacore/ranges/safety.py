@@ -32,7 +32,7 @@ from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
 from lacore.reporting import terms
-from lacore.reporting.text import Term, text
+from lacore.reporting.text import PYTHON, Term, text
 from lacore.showing import Facts, Shown, counted, listed
 from lacore.status import Rigor, Status
 
@@ -198,7 +198,7 @@ def safety_factor(
 
     def above(weaker: Problem, factor: float) -> float:
         bound = upper_bound(weaker, backend)
-        notes[factor] = bound.status.added(bound.message)
+        notes[factor] = bound.report.notes_for(PYTHON) if bound.status is Status.SOLVED else ""
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
 
@@ -246,7 +246,7 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
         why = f"none of {len(rows)} states of weakened strengths is certified"
         fix = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
         raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, fix)
-    note = ends[-1].status.added(ends[-1].message) if ends[-1].status is Status.SOLVED else ""
+    note = ends[-1].report.notes_for(PYTHON) if ends[-1].status is Status.SOLVED else ""
     return SafetyFactor(lower, upper, history, problem, note, ends, interfaces)
 
 

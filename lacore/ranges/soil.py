@@ -26,10 +26,11 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, dimensionless
 from lacore.ranges.told import residuals, short
+from lacore.reporting.findings import Finding
 from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers.compilation import SolveClock
-from lacore.status import Status
+from lacore.status import Reported, Status
 
 SHARES = (1.0, 0.6, 0.3)
 """Of the friction that a soil has where searches start: loads far apart, from 2 to 32 of a footing
@@ -41,7 +42,7 @@ _COLUMNS = ["share", "search", "status", "load_factor", "residual", "gap", "solv
 
 
 @dataclass(frozen=True, repr=False)
-class SoilRange(Shown):
+class SoilRange(Reported, Shown):
     """The lowest and the highest load factor found of a soil whose flow is not associated.
 
     In SI units. Each is that of a state with its certificate, of the discrete problem. That there
@@ -62,7 +63,7 @@ class SoilRange(Shown):
         tolerance: bar for all residuals.
         backend: name.
         solve_time: s, wall clock, without the compilation of the backend.
-        message: the status in words.
+        findings: What else there is to report; `message` is their text.
         stopped: why not all searches came to their ends; empty where they did.
         ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
     """
@@ -78,7 +79,7 @@ class SoilRange(Shown):
     tolerance: float
     backend: str
     solve_time: float
-    message: str
+    findings: tuple[Finding, ...]
     stopped: str = ""
     ray: Ray | None = None
 
@@ -247,7 +248,7 @@ def soil_range(
         tolerance=tolerance,
         backend=backend,
         solve_time=clock.seconds,
-        message=status.label if made else f"{status.label}: {status.value}",
+        findings=(),
         stopped=stopped,
         ray=ray,
     )

@@ -10,11 +10,14 @@ import lacore as la
 from lacore.adaptive.bracket import Ending as BracketEnding
 from lacore.adaptive.kept_water import Interpolated
 from lacore.paths.path import Ending as PathEnding
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.status import Rigor, Status
 from tests.lacore.models import cantilever, deformable_block, punch, sheared, square
 from tests.lacore.paths.path_billets import pressed, quad_billet
 
 LONG = 'a name that somebody has made up of <b>html</b> & "quotes" ' * 200
+TOLD = (Finding(Kind.BACKEND, values={"text": LONG}),)
 MANY = tuple(f"block number {index}" for index in range(1000))
 
 
@@ -190,7 +193,7 @@ def states():
     extreme = {"load_factor": -1.234567890123e-300, "solve_time": 1e9 / 3}
     other = [
         replace(
-            first, status=status, rigor=rigor, message=LONG, bracket=(-np.inf, np.inf), **extreme
+            first, status=status, rigor=rigor, findings=TOLD, bracket=(-np.inf, np.inf), **extreme
         )
         for status in Status
         for rigor in Rigor
@@ -250,7 +253,7 @@ def results():
     other += [replace(path, status=ending, message=LONG) for ending in PathEnding]
     nothing = path.history.iloc[:0], path.events.iloc[:0]
     other += [replace(path, history=nothing[0], events=nothing[1], last=None, settings={})]
-    other += [replace(spread, message=LONG, missing=LONG, backend=LONG, lowest=None, highest=None)]
+    other += [replace(spread, findings=TOLD, missing=LONG, backend=LONG, lowest=None, highest=None)]
     other += [replace(gap, elements={}, bodies={}, interfaces=dict.fromkeys(MANY, 1 / 3))]
     return made, other
 

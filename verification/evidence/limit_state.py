@@ -15,6 +15,9 @@ from lacore.certificate import Certificate
 from lacore.limit.checking import recomputed
 from lacore.limit.solve import ACCEPTED, TOLERANCE
 from lacore.regularization import RegularisedValues
+from lacore.reporting.findings import Finding
+from lacore.reporting.findings import restored as restored_findings
+from lacore.reporting.kinds import Kind
 from lacore.state import ProgramState
 from verification.case import SOLVER
 from verification.evidence.span_nodes import as_solved, nodes_of, require_hinges
@@ -46,6 +49,13 @@ def _certificate(residuals: Mapping[str, float]) -> Certificate | None:
     """As stored; what was not computed when it was is NaN, which holds for nothing."""
     names = [entry.name for entry in fields(Certificate)]
     return Certificate(**(dict.fromkeys(names, nan) | dict(residuals))) if residuals else None
+
+
+def _findings(row: Row) -> tuple[Finding, ...]:
+    """As stored; results of earlier versions have the text alone."""
+    if row.findings or not row.message:
+        return restored_findings(row.findings)
+    return (Finding(Kind.EARLIER, values={"text": row.message}),)
 
 
 def _values(row: Row) -> RegularisedValues:
@@ -147,7 +157,7 @@ def restored_on(
         solve_time=row.solve_time,
         options=run.options,
         tolerance=run.settings.get("tolerance", SOLVER),
-        message=row.message,
+        findings=_findings(row),
         discretisation=discretisation,
         point=unpacked(evidence.arrays),
     )

@@ -10,6 +10,7 @@ import numpy as np
 import lacore as la
 from lacore.coupling.run import PATH
 from lacore.limit.solve import solve
+from lacore.reporting.findings import stored
 from lacore.solvers.registry import JUDGE
 from verification.case import Band, Reference
 from verification.defaults import RAW
@@ -102,6 +103,7 @@ def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
         gap=state.certificate.gap if state.certificate else nan,
         solve_time=state.solve_time,
         message=state.message,
+        findings=stored(state.findings),
         alpha_reg=values.alpha_reg if values else nan,
         regularised_lambda=values.load_factor if values else nan,
         P=values.plastic if values else nan,

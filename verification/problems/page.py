@@ -87,17 +87,17 @@ def page(
         Section("machine", "Machine and versions", [Facts(machine)]),
     ]
     kept = [section for section in sections if section.blocks]
-    return Report({INDEX: Document(title, _lead(answer), kept, [Facts(told)])})
+    return Report({INDEX: Document(title, _lead(answer, units), kept, [Facts(told)])})
 
 
-def _lead(answer: Answer) -> str:
+def _lead(answer: Answer, units: Units) -> str:
     state, proven = answer.state, answer.bracket
     if proven is not None and answer.bracketed:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
         return f"Collapse between {ends} times the reference loads: {proven.message}."
     if state.status is la.Status.SOLVED:
         return f"Collapse at {state.load_factor:.6g} times the reference loads; {worth(state)}."
-    return state.status.said(state.message)
+    return state.report.text_for(Reader(units, files=True))
 
 
 def _picture(name: str, caption: str, thing: object, units: Units) -> Picture:

@@ -6,6 +6,7 @@ from typing import Any
 
 import lacore as la
 from lacore.files.problem.reading import Stated
+from lacore.reporting.findings import records
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from verification.problems.answers import Answer
@@ -15,14 +16,15 @@ from verification.problems.words import mechanism
 
 def document(stated: Stated, answer: Answer, page: Path | None) -> dict[str, Any]:
     """All numbers of an answer, and where its files are."""
-    state = answer.state
+    state, reader = answer.state, Reader(stated.units, files=True)
     found: dict[str, Any] = {
         "title": stated.title,
         "file": str(stated.source.file),
         "status": state.status.label,
         "load_factor": state.load_factor,
         "rigor": state.rigor.label,
-        "message": stated.units.rewritten(state.message),
+        "message": state.report.text_for(reader),
+        "findings": records(state.findings, reader),
         "mechanism": None if state.point is None else mechanism(state, stated.units),
         "backend": state.backend,
         "coupling": state.coupling,

@@ -1,7 +1,6 @@
 """The result of `lacore solve` in a few lines: load factor, proof and collapse mechanism."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from math import isinf
 from typing import Any
 
@@ -11,7 +10,6 @@ import lacore as la
 from lacore.bodies.any_body import of_kind
 from lacore.conditions.loads import Load
 from lacore.files.problem.statements import law as stated_law
-from lacore.files.problem.wording import in_words_of_files
 from lacore.materials.friction import Friction
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
@@ -49,7 +47,7 @@ def friction(law: Friction, units: Units) -> str:
 
 def lines(answer: Answer, units: Units) -> dict[str, str]:
     """Return the lines that describe a result, by name."""
-    state = answer.state
+    state, reader = answer.state, Reader(units, files=True)
     one = f"{state.load_factor:.6g}, {worth(state)}"
     between = "" if answer.bracket is None else answer.bracket.heading
     # The solve on one mesh may lie outside of the bounds, so they come first.
@@ -57,9 +55,9 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     problem = state.discretisation.problem
     told["reference loads"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
-        told["status"] = _in_words(state.status.said(state.message), units)
-    elif note := state.status.added(state.message):
-        told["note"] = _in_words(note, units)
+        told["status"] = state.report.text_for(reader)
+    elif note := state.report.notes_for(reader):
+        told["note"] = note
     if answer.interval is not None:
         told["interval"] = _interval(answer.interval)
     if answer.bracketed:
@@ -80,8 +78,8 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     if state.point is not None:
         told["mechanism"] = mechanism(state, units)
     if answer.stability is not None:
-        proven = replace(answer.stability, why="") if "stable" in answer.more else answer.stability
-        told["dead loads"] = _in_words(str(proven).partition(": ")[2], units)
+        own = answer.stability
+        told["dead loads"] = own.proven if "stable" in answer.more else own.text_for(reader)
     if state.certificate is not None:
         told["residual"] = f"{state.certificate.summary}; the tolerance is {state.tolerance:g}"
     loop = f", {state.coupling} coupling loop" if state.outer_iterations > 1 else ""
@@ -91,11 +89,6 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     )
     told["size"] = state.discretisation.contents
     return told
-
-
-def _in_words(message: str, units: Units) -> str:
-    """Return a message of lacore with the keys and the units of problem files."""
-    return units.rewritten(in_words_of_files(message))
 
 
 def _said(name: str, found: Any, units: Units) -> str:

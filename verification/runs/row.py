@@ -60,6 +60,8 @@ class Row:
         options: of the backend, as far as they differ from its defaults: ``tolerance=1e-06``.
         peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
+        findings: What a state has to report, as `lacore.reporting.findings.stored` writes it; empty
+            for brackets, ranges, paths and runs without a state.
         verdict: ``pass``, ``FAIL``, ``skipped``, ``bound only`` of another model whose own load
             factor is not known, which is on the right side of the reference, ``no reference`` of
             what is proven and cannot be compared, or ``no result`` of what claims nothing and need
@@ -126,6 +128,7 @@ class Row:
     calibration_before: float = nan
     calibration_after: float = nan
     log: str = ""
+    findings: str = ""
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -17,6 +17,7 @@ from typing import Any
 import lacore as la
 from lacore.certificate import Certificate
 from lacore.paths.ending import Ending
+from lacore.reporting.findings import restored
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.runs.row import STRICT, Row
@@ -177,6 +178,10 @@ def _row(text: object) -> Row:
         elif not isinstance(value, kind):  # type: ignore[arg-type]  # str or bool
             raise WrongFieldError(f"row.{name}", f"is no {getattr(kind, '__name__', kind)}")
     row = Row(**found)
+    try:
+        restored(row.findings)
+    except ValueError:
+        raise WrongFieldError("row.findings", "are no findings") from None
     if not FILE.fullmatch(row.log):
         raise WrongFieldError("row.log", f"= {row.log!r:.60} is no file of a log")
     for name, words in _WORDS.items():

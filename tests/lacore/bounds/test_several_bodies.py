@@ -9,6 +9,7 @@ from scipy.sparse import csr_matrix
 import lacore as la
 from lacore.bounds.static_bonds import StaticBonds
 from lacore.problem.matching import glued
+from lacore.reporting.kinds import Kind
 from tests.lacore.models import CRITERION
 
 LAWS = [la.SMOOTH, la.Tresca(0.3), la.Coulomb(0.3, associated=True), la.STICK, la.BOND]
@@ -173,7 +174,8 @@ def test_bounds_that_are_not_proven_say_why(monkeypatch):
     upper = la.upper_bound(replace(problem, bodies=soil))
     assert upper.status is la.Status.NOT_CERTIFIED
     assert upper.state.status is la.Status.SOLVED
-    assert upper.message.startswith("not certified: soil dilates too little")
+    assert upper.findings[0].kind is Kind.FLOW_NOT_POSSIBLE
+    assert "low" in upper.findings[0].where
     assert "'low' by" in upper.message
     assert upper.message.endswith(upper.state.message)
     assert "dilates too little" in upper.facts().told["status"]

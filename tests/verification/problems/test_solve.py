@@ -12,6 +12,8 @@ import pytest
 
 import lacore as la
 from lacore.limit.solve import solve
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.reporting.units import Units
 from tests.conftest import ROOT
 from tests.lacore.files.problem import footing
@@ -76,16 +78,15 @@ def test_what_a_state_adds_to_its_load_factor_is_told():
         [la.Fix("sand", "left", "x"), la.Fix("sand", "right"), la.Fix("sand", "bottom")],
     )
     state = solve(problem, throw=True)  # no larger box is asked for
-    plain = f"{state.status.label}: {state.status.value}"
-    one = "one of several, maybe: flow is not associated; lacore.soil_range looks for others"
-    assert state.status.added(state.message).startswith(one)
-    reached = replace(state, message=f"{plain}; {one}; the mechanism reaches sand.right")
+    assert [own.kind for own in state.findings] == [Kind.OTHER_LOAD_FACTORS]
+    reaches = Finding(Kind.REACHES_SUPPORT, ("sand.right",))
+    reached = replace(state, findings=(*state.findings, reaches))
     told = lines(Answer(reached, *[None] * 5, more={}, seconds=0.0), Units())
-    assert told["note"] == (
-        "one of several, maybe: flow is not associated; --range looks for others;"
+    assert told["note"].startswith(
+        "other load factors may exist, because flow is not associated; --range searches for them;"
         " the mechanism reaches sand.right"
     )
-    nothing = Answer(replace(state, message=plain), *[None] * 5, more={}, seconds=0.0)
+    nothing = Answer(replace(state, findings=()), *[None] * 5, more={}, seconds=0.0)
     assert "note" not in lines(nothing, Units())
 
 

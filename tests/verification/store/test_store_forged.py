@@ -178,6 +178,7 @@ def test_with_its_seal_forged_too_a_row_is_read_as_what_it_could_be_or_refused(p
         ("row", lambda row: row | {"iterations": 10**400}, "'row.iterations' is no number"),
         ("row", lambda row: row | {"gap": 0.0}, "'row.gap' = 0.0 contradicts"),
         ("row", lambda row: row | {"case": "other"}, "'row.case' is not that of its identity"),
+        ("row", lambda row: row | {"findings": '["x"]'}, "'row.findings' are no findings"),
         ("row", lambda row: row | {"more": 1}, "has not the columns of a row: more"),
         (
             "row",

@@ -1,0 +1,179 @@
+"""All kinds of findings, each with its text (see `lacore.reporting.findings.fill`)."""
+
+from collections.abc import Mapping
+from enum import Enum
+
+
+class Kind(Enum):
+    """What a finding says. The value is its text for Python users."""
+
+    # Where a mechanism ends
+    REACHES_SUPPORT = (
+        "the mechanism reaches {where}: if the ground continues there, make the body larger,"
+        " because the load factor may decrease"
+    )
+    REACHES_ROLLERS = (
+        "the mechanism reaches {where}: unless this is a plane of symmetry or the end of the"
+        " ground, make the body larger, because the load factor may change"
+    )
+    MORE_GROUND = (
+        "the mechanism reaches {where}: with {depth} of additional ground, the load factor is"
+        " {percent:.0f} % lower; if the ground continues there, make the body larger"
+    )
+
+    CORNERS_DRIVEN = (
+        "of {where!r} the mechanism drives corners of {one!r} and {other!r} into each other at"
+        " {place} (such corners: {count}), and contact at corners is not modelled: cut one off,"
+        " so that edges touch there"
+    )
+    CORNERS_MAY_BE_DRIVEN = (
+        "of {where!r} the mechanism may drive corners of {one!r} and {other!r} into each other at"
+        " {place} (such corners: {count}), and contact at corners is not modelled: cut one off,"
+        " so that edges touch there"
+    )
+    OPENS = "{where} sticks, but opens freely: {terms.BOND} in its place carries tension, too"
+    CELLS_FALL = (
+        "this is proven of the cells of joints that crush: the joints carry more than these; finer"
+        " cells (lacore.Crushing, divisions) tell how much"
+    )
+    NO_STANDING_WATER = (
+        "where free water stands on the ground, it acts on the ground, too: state a StandingWater"
+    )
+
+    # What a load factor does not tell
+    OTHER_LOAD_FACTORS = (
+        "other load factors may exist, because flow is not associated; {terms.SOIL_RANGE} searches"
+        " for them"
+    )
+    LARGER_LOADS = (
+        "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
+        " structure may stand above this load factor and not below; see `state.stability`"
+    )
+    NEGATIVE = (
+        "the load factor is negative: the dead loads alone may not be carried; see"
+        " `state.stability`"
+    )
+    POLYGON = (
+        "it is of the polygon that stands for a curved outline (Body.geometry='approximated'), not"
+        " of the body"
+    )
+    SHARED_CORNERS = (
+        "contact points with friction meet at a corner, where reactions, and with them the load"
+        " factor, may not be unique"
+    )
+    BRACKET = "every Coulomb load factor is in [{lower:.6g}, {upper:.6g}]"
+    BRACKET_OF_MESH = (
+        "every Coulomb load factor of the discrete problem is in [{lower:.6g}, {upper:.6g}]"
+    )
+    LOCKED_ON_MESH = (
+        "this is proven of the discrete problem: a deformable body may have a motion that this mesh"
+        " does not have; refine the mesh, or use {terms.LOWER_BOUND}, which considers the"
+        " continuum"
+    )
+
+    # Why a solve has no certified result
+    LOAD_OUTSIDE_CONES = (
+        "the load lies outside of the friction cones: no reactions within them carry a part of it"
+    )
+    LOWER_MECHANISM = (
+        "the residuals are small, but the associated law has a mechanism at a lower load factor"
+    )
+    NO_REACTIONS = (
+        "no reactions were found that carry a load, though the associated friction law has some"
+    )
+    UNSAFE_NOT_PROVEN = (
+        "the solver calls the structure unsafe, and no mechanism of the dead load proves it"
+    )
+    LOCKED_NOT_PROVEN = (
+        "the solver calls the load locked, and no reactions carry it alone: the closest leave"
+        " {residual:.1e} of the forces"
+    )
+    LOCKED_REFUTED = (
+        "the solver calls the load locked, but the program is feasible: backend {backend!r} finds"
+        " an admissible mechanism with F0.U = 1 (penetration {penetration:.1e}, divergence"
+        " {divergence:.1e}, normalisation {normalisation:.1e})"
+    )
+    DEAD_LOADS = "{standing}"
+    CONTINUUM_NOT_PROVEN = (
+        "of the discrete problem it {standing}, of the continuum this is not proven: {why}"
+    )
+    STANDS_ON_MESH = "proven for this mesh; {terms.STABLE} proves it for the continuum"
+    MOMENTS_INSIDE = (
+        "moments inside members exceed the plastic moment by {excess:.1e}: put nodes where they"
+        " peak"
+    )
+    HARDLY_STRONG = (
+        "{where!r} carries nothing where nothing presses it, which leaves solvers no room: lend it"
+        " next to none, {lent} of cohesion or of tension (Rankine for NoTension), by which its"
+        " load factor hardly rises; or take another of the backends 'clarabel' and"
+        " 'interior_point'"
+    )
+
+    # Bounds
+    ADMISSIBLE_STRESSES = (
+        "admissible stresses prove it, about {gap:.1e} of the power below the best that these"
+        " elements have; the solver reports {native!r}"
+    )
+    NO_STRESSES = (
+        "no stress of these elements carries the dead loads; refine the mesh, unless `solve` finds"
+        " that they collapse the structure"
+    )
+    STRESSES_NOT_ADMISSIBLE = (
+        "stresses stay {equilibrium:.1e} of the load out of equilibrium, or beyond strength by"
+        " {beyond:.1e}"
+    )
+    STRENGTH_TOO_SMALL = (
+        "{where!r} carries {strength} where nothing presses it, which leaves proofs hardly any"
+        " room: lend it next to none, {lent} of cohesion or of tension (Rankine for NoTension),"
+        " or take another of the backends 'clarabel' and 'interior_point'"
+    )
+    COARSE_TOLERANCE = (
+        "tighten the backend's tolerance, or fix the mesh (smallest angle {angle:.2g} degrees)"
+    )
+    FORCES_NOT_SETTLED = (
+        "the load factor grows as quadratic stresses of body forces leave less of strengths; refine"
+        " the mesh, or give forces by elements"
+    )
+    VELOCITY_NOT_ADMISSIBLE = (
+        "the velocity leaks {leak:.1e}, or penetrates by {penetration:.1e}; tighten the backend's"
+        " tolerance, or fix the mesh"
+    )
+    FLOW_NOT_POSSIBLE = (
+        "soil dilates too little for its friction, {regions} of the largest strain rate: what holds"
+        " it leaves hardly any room; move supports farther away, refine the mesh, or take"
+        " 'p2-vertex', whose velocities do not jump"
+    )
+    REGION_BEYOND = "{where!r} by {size:.1e}"
+    SOLVE = "its solve: {report}"
+    STATUS = "{report}"
+    NO_ANSWER = "backend {backend!r} has no certified answer: {report}"
+
+    # Backends
+    NATIVE_STATUS = "the solver itself reports {native!r}, but the residuals prove the solution"
+    BACKEND = "the backend reports: {text}"
+    EARLIER = "an earlier version of lacore reported: {text}"
+
+
+FILES: Mapping[Kind, str] = {
+    Kind.POLYGON: (
+        'it is of the polygon that stands for a curved outline (geometry = "approximated"), not of'
+        " the body"
+    ),
+    Kind.CELLS_FALL: (
+        "this is proven of the cells of joints that crush: the joints carry more than these; finer"
+        " cells (divisions) tell how much"
+    ),
+    Kind.LARGER_LOADS: (
+        "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
+        " structure may stand above this load factor and not below; see the line on dead loads"
+    ),
+    Kind.NEGATIVE: (
+        "the load factor is negative: the dead loads alone may not be carried; see the line on dead"
+        " loads"
+    ),
+    Kind.NO_STANDING_WATER: (
+        "where free water stands on the ground, it acts on the ground, too: add a load of the kind"
+        ' "standing-water"'
+    ),
+}
+"""Texts for users of problem files, where other names are not enough."""
