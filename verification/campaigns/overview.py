@@ -32,7 +32,9 @@ LARGE = "large"
 def overview(
     backends: Sequence[str] = (), meshes: Sequence[str] = (), known: Catalogue | None = None
 ) -> list[Run]:
-    """List the runs of the first comparison: continua first, then rigid bodies, then paths.
+    """List the runs of the first comparison: paths first, then continua, then rigid bodies.
+
+    Those that take longest come first, so that no process waits for the last of them.
 
     Args:
         backends, meshes: Run these in place of those of the first comparison, on its variants;
@@ -92,7 +94,7 @@ def _one_of_each_status(case: Case, among: Sequence[Variant]) -> list[Variant]:
 
 
 def _kind(case: Case) -> int:
-    return 2 if case.path is not None else 0 if case.meshed else 1
+    return 0 if case.path is not None else 1 if case.meshed else 2
 
 
 def _runs(

@@ -136,10 +136,14 @@ def _made(name: str, *arguments: Any) -> Figures:
 
 def painted(subject: Subject) -> Picture | Text:
     """Draw a subject, or say why it cannot be drawn."""
+    import matplotlib as mpl
+
     from lacore.pictures.thumbnails.paper import DPI
 
     try:
-        made = subject.draw()
+        # Text is measured anew for each resolution.
+        with mpl.rc_context({"figure.dpi": subject.dpi}):
+            made = subject.draw()
         small = None
         if made.thumbnail is not None:
             name = f"{subject.name}-thumbnail"
