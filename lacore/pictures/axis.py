@@ -1,17 +1,19 @@
-"""Bodies of revolution in pictures: their axis, the names of coordinates, units."""
+"""Axes in pictures: names of coordinates, units, powers of ten; the axis of revolution."""
 
 from collections.abc import Iterable, Sequence
+from math import floor, log10
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import AutoLocator, FuncFormatter
+from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation
 
 from lacore.bodies.any_body import Stated
 from lacore.reporting.units import Units
 
 _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SI = Units()
 _FAR = 1.0  # sizes of the body: an axis farther off is not drawn
 
@@ -51,6 +53,29 @@ def label_lengths(axes: Axes, names: Sequence[str], units: Units) -> None:
 def _typeset(length: float) -> str:
     """With the minus that all other axes have."""
     return f"{round(length, 9):g}".replace("-", "\N{MINUS SIGN}")
+
+
+def superscript(number: int) -> str:
+    """Write a whole number in superscript letters: ``⁻³``."""
+    return str(number).translate(_SUPERSCRIPT)
+
+
+def power(value: float) -> str:
+    """Write a positive number in letters that every font has: ``10⁻³``, ``2·10⁻³``."""
+    exponent = floor(log10(value) + 1e-9)  # of an exact power, whatever log10 rounds to
+    digit = round(value / 10.0**exponent)
+    return ("" if digit == 1 else f"{digit}·") + f"10{superscript(exponent)}"
+
+
+class PowerFormatter(LogFormatterSciNotation):
+    """Labels the ticks that matplotlib labels on a logarithmic axis.
+
+    Typesetting them as formulas takes a sixth of the time of a picture.
+    """
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Write the label of a tick; empty where there is none."""
+        return power(x) if super().__call__(x, pos) else ""
 
 
 def draw_axis(axes: Axes, bodies: Iterable[Stated]) -> list[Line2D]:

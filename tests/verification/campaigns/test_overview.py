@@ -108,8 +108,8 @@ def test_runs_are_close_to_the_reference(case):
             assert abs(found.error) <= CLOSE, run.label
 
 
-def test_what_deforms_comes_first_and_paths_come_last():
-    kinds = [2 if run.case.path else 0 if run.case.meshed else 1 for run in first()]
+def test_paths_come_first_and_rigid_bodies_come_last():
+    kinds = [0 if run.case.path else 1 if run.case.meshed else 2 for run in first()]
     assert kinds == sorted(kinds)
 
 

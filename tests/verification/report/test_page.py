@@ -10,6 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from lacore import InputError
+from lacore.pictures.axis import power
 from verification.analysis.slopes import Slope
 from verification.report import document, files
 from verification.report.blocks import (
@@ -189,7 +190,7 @@ def test_cost_joins_meshes_in_the_order_of_time():
     [(1e-3, "10⁻³"), (1e-12, "10⁻¹²"), (2e-5, "2·10⁻⁵"), (1, "10⁰"), (1e5, "10⁵")],
 )
 def test_powers(value, text):
-    assert axes.power(value) == text
+    assert power(value) == text
 
 
 def test_ticks_of_an_axis_are_written_alike():

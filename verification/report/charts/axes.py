@@ -22,13 +22,13 @@ from matplotlib.ticker import (
     PercentFormatter,
 )
 
+from lacore.pictures.axis import power
 from verification.report.charts.svg import Chart, Tip
 from verification.report.charts.theme import MARKERS, SERIES, styled
 
 _SIZE = (5.6, 3.9)  # inches: type of 10 points stays readable on a phone
 _MINUS = "\N{MINUS SIGN}"
 _DASHES = ("-", "--", "-.", ":")
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LONGEST = 40  # letters of a name in the legend
 _HALF = 38  # letters of an entry that fits into half the width
 _PLAIN = (1e-4, 2e4)  # an axis within has its numbers written out
@@ -309,13 +309,6 @@ def tick_words(low: float, high: float) -> Callable[[float, int], str]:
     """How ticks between two ends are written: all plainly, or all as powers of ten."""
     plain = _PLAIN[0] <= low and high <= _PLAIN[1]
     return lambda value, _: f"{value:g}" if plain or not value > 0 else power(value)
-
-
-def power(value: float) -> str:
-    """A positive number in letters that every font has: ``10⁻³``, ``2·10⁻³``."""
-    exponent = int(np.floor(log10(value) + 1e-9))  # of an exact power, whatever log10 rounds to
-    digit = round(value / 10.0**exponent)
-    return ("" if digit == 1 else f"{digit}·") + f"10{str(exponent).translate(_SUPERSCRIPT)}"
 
 
 def _summary(data: pd.DataFrame, x: Axis, y: Axis, by: str, left_out: int) -> str:
