@@ -48,6 +48,27 @@ class Arcs(Compact):
 
 
 @dataclass(frozen=True, repr=False)
+class InnerCorner(Compact):
+    """Where two lines meet that both keep a point out of the solid.
+
+    Attributes:
+        place: m, shape (2,).
+        normals: of the two lines, out of the solid, shape (2, 2), one in each row.
+        reach: length of the shorter line, m.
+    """
+
+    place: Floats
+    normals: Floats
+    reach: float
+
+    @property
+    def bisector(self) -> Floats:
+        """Unit normal of a `Profile` at the corner, the mean of both, shape (2,)."""
+        mean = self.normals.sum(axis=0)
+        return np.asarray(mean / np.linalg.norm(mean))
+
+
+@dataclass(frozen=True, repr=False)
 class Profile(Compact):
     """The face of a solid, made of lines and arcs.
 

@@ -16,7 +16,7 @@ import shapely
 
 from lacore.arrays import Floats
 from lacore.contact.obstacles import Plane
-from lacore.contact.profiles import Arcs, Lines, Profile, corner, no_arcs
+from lacore.contact.profiles import Arcs, InnerCorner, Lines, Profile, corner, no_arcs
 from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_positive
 from lacore.showing import Compact
 
@@ -184,6 +184,22 @@ class Outline(_Profiled):
             turn,
         )
         return Profile(lines, arcs, own[:, sharp], bisectors, convex)
+
+    @property
+    def inner(self) -> list[InnerCorner]:
+        """Sharp corners that the solid surrounds, such as that of a container and its die."""
+        before, after = self._directions
+        lines = self.profile.lines
+        length = lines.high - lines.low
+        hollow = (np.array(self.radii) == 0) & (_turn(before, after) < 0)
+        return [
+            InnerCorner(
+                np.array(self.points[at]),
+                np.stack([[own[1, at], -own[0, at]] for own in (before, after)]),
+                float(min(length[at - 1], length[at])),
+            )
+            for at in np.flatnonzero(hollow).tolist()
+        ]
 
     def outline(self, low: Floats, high: Floats) -> Floats:
         """See `Shape`: all of it."""

@@ -1,7 +1,7 @@
 """Control values of contact along a path, gathered to the rows of a program (T28)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
@@ -41,6 +41,13 @@ class Station(Compact):
     x: Sparse
     y: Sparse
     moving: Ints
+
+    def take(self, which: Bools) -> "Station":
+        """Some of the control values."""
+        numbers = np.flatnonzero(which)
+        arrays = ("places", "normals", "weights", "gaps", "away", "x", "y", "moving")
+        taken = {name: getattr(self, name)[numbers] for name in arrays}
+        return replace(self, laws=self.laws.at(numbers), **taken)
 
 
 def gathered(

@@ -4,13 +4,14 @@ The block has the three unknowns of the tool and carries the force that drives i
 of the shape; the polygon of the block touches nothing.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.contact.obstacles import Shape
+from lacore.contact.profiles import InnerCorner
 from lacore.showing import Compact
 
 PART = "tool"
@@ -57,6 +58,19 @@ class MovedShape(Compact):
         """Sharp convex corners, m, shape (2, c)."""
         return self._forth(corners_of(self.shape))
 
+    @property
+    def inner(self) -> list[InnerCorner]:
+        """Sharp corners that the solid surrounds."""
+        turned = _rotation(self.turn)
+        return [
+            replace(
+                own,
+                place=self._forth(own.place[:, None])[:, 0],
+                normals=own.normals @ turned.T,
+            )
+            for own in inner_corners(self.shape)
+        ]
+
     def _forth(self, places: Floats) -> Floats:
         return np.asarray(_rotation(self.turn) @ places + np.reshape(self.shift, (2, 1)))
 
@@ -67,6 +81,11 @@ class MovedShape(Compact):
 def corners_of(shape: Shape) -> Floats:
     """Sharp convex corners of a shape, m, shape (2, c); none of one that names none."""
     return np.asarray(getattr(shape, "corners", np.zeros((2, 0))))
+
+
+def inner_corners(shape: Shape) -> list[InnerCorner]:
+    """Sharp corners that a shape surrounds; none of one that names none."""
+    return list(getattr(shape, "inner", ()))
 
 
 def moved_shape(shape: Shape, about: Floats, at: Floats) -> MovedShape:

@@ -19,15 +19,16 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import Load, PointForce
 from lacore.contact.laws import Laws
-from lacore.contact.obstacles import Obstacle, Shape
+from lacore.contact.obstacles import Obstacle, Plane, Shape
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.approach import obstacle_station
 from lacore.paths.contact.outlines import Outline, outline
 from lacore.paths.contact.pairs import Side
 from lacore.paths.contact.stations import Station
-from lacore.paths.tools.carrier import PART, corners_of
+from lacore.paths.tools.carrier import PART, corners_of, inner_corners
 
 _INSIDE = 0.02  # of an edge: closer to a vertex of it a corner adds nothing to the vertex
+_SAME = 1 - 1e-9  # cosine between normals of one line
 _DEEP = 0.1  # of the body size: what is deeper has another part of the body in between
 
 
@@ -45,14 +46,17 @@ def face_stations(
         unknowns: of the problem where it is solved.
         begin: where the step begins.
     """
-    faces, corners, n = [], [], unknowns.n
+    faces: list[Station] = []
+    corners: list[Station | None] = []
+    n = unknowns.n
     for first, now in zip(*obstacles, strict=True):
         dofs = unknowns.continua[first.body]
         tool = None if first.carrier is None else unknowns.assemblies[first.carrier]
         station = obstacle_station(first, dofs, n, begin)
-        faces.append(
-            station if tool is None else carried_station(first, station, now.shape, tool, n)
-        )
+        if tool is not None:
+            station = carried_station(first, station, now.shape, tool, n)
+        faces.append(station)
+        corners += inner_stations(first, now.shape, station, dofs, tool, begin, n)
         own = (bodies[0][first.body], bodies[1][first.body])
         corners.append(corner_station(first, (first.shape, now.shape), own, dofs, tool, n))
     return faces, [own for own in corners if own is not None]
@@ -81,6 +85,42 @@ def carried_station(
         y=csr_matrix(station.y - y),
         moving=np.column_stack([station.moving[:, 0], np.zeros(places.shape[1], np.int64)]),
     )
+
+
+def inner_stations(
+    own: Obstacle,
+    now: Shape,
+    station: Station,
+    dofs: BodyDofs,
+    tool: RigidDofs | None,
+    begin: Configuration,
+    n: int,
+) -> list[Station]:
+    """Control values in inner corners of a face, against the line that `station` leaves out.
+
+    Args:
+        own: the face where the step begins.
+        now: its shape where the step is solved.
+        station: of its control values, against the closest lines.
+        dofs: of the body.
+        tool: that carries the face; None of a face at rest.
+        begin: where the step begins.
+        n: unknowns.
+    """
+    found = []
+    for first, here in zip(inner_corners(own.shape), inner_corners(now), strict=True):
+        away = np.linalg.norm(station.places - here.place, axis=1)
+        within = station.normals @ here.bisector > _SAME * (here.normals[0] @ here.bisector)
+        near = (away < first.reach) & within
+        there = station.normals @ here.normals.T > _SAME
+        for side in (0, 1):
+            line = Plane.through(first.place, first.normals[side])
+            more = obstacle_station(replace(own, shape=line), dofs, n, begin)
+            if tool is not None:
+                moved = Plane.through(here.place, here.normals[side])
+                more = carried_station(own, more, moved, tool, n)
+            found.append(more.take(near & ~there[:, side]))
+    return found
 
 
 def corner_station(

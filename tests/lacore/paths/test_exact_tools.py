@@ -81,6 +81,31 @@ def test_a_tool_goes_where_its_motion_leads():
     assert face.shape.distance(centre) == pytest.approx(-0.5, abs=1e-9)
 
 
+ANGLE = la.shapes.outline([(0, -0.5), (3, -0.5), (3, -0.8), (-0.3, -0.8), (-0.3, 3), (0, 3)])
+"""A floor and a wall that meet in an inner corner."""
+
+
+@pytest.mark.parametrize("carried", [True, False])
+def test_an_inner_corner_holds_on_both_sides(carried):
+    """A vertex in the corner of a floor and a wall leaves neither: the exact force of platens."""
+    sides = ("left", "bottom", "right")
+    tools = {"up": closing(up=(0, -2))["up"]}
+    faces = []
+    if carried:
+        tools["angle"] = la.Tool(ANGLE, [("block", side) for side in sides])
+    else:
+        shape = la.RigidObstacle(shape=ANGLE)
+        faces = [la.Interface(("block", side), shape, 0.0) for side in sides]
+    pressure = 0.5  # Pa, which keeps the block at the wall
+    pushed = la.Problem(block().bodies, dead_loads=[la.Pressure("block", "right", pressure)])
+    path = pressed(tools, problem=pushed, approaching=faces)
+    assert path.status is Ending.REACHED, path.message
+    force = strip_force(LAW, 0.8) + pressure / 0.8
+    assert path.history.force.iloc[0] == pytest.approx(2 * force, rel=1e-6)
+    nodes = path.snapshots[-1].configuration.nodes["block"]
+    assert ANGLE.distance(nodes).min() > -1e-6
+
+
 def _clamped():
     held = block()
     return la.Problem(held.bodies, supports=[la.Fix("block", "bottom")])
