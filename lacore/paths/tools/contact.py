@@ -92,7 +92,7 @@ def inner_stations(
     now: Shape,
     station: Station,
     dofs: BodyDofs,
-    tool: RigidDofs | None,
+    tool: RigidDofs[BlockAssembly] | None,
     begin: Configuration,
     n: int,
 ) -> list[Station]:
