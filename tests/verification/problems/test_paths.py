@@ -305,7 +305,7 @@ def test_mistakes_of_tools_are_said_with_their_line(punched, tmp_path, old, new,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["upsetting", "wedge"])
+@pytest.mark.parametrize("name", ["extrusion", "upsetting", "wedge"])
 def test_starters_with_a_path_are_followed(name, tmp_path):
     file = tmp_path / f"{name}.toml"
     file.write_text(lacore("new", name).stdout, encoding="utf-8")
