@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.bodies.blocks.checks import check_contact
+from lacore.bodies.blocks.checks import check_contact, check_resting_corners
 from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_law
 from lacore.bodies.blocks.loads import carried
 from lacore.bodies.blocks.meeting_corners import Meetings, meetings
@@ -87,7 +87,8 @@ class BlockAssembly(RigidBlocks):
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
     dimension: ClassVar[int] = 2
-    facet: ClassVar[str] = "at least one edge"
+    facet: ClassVar[str] = "edge"
+    rim: ClassVar[str] = "a corner"
     names: tuple[str, ...] = field(init=False, repr=False)
     area: Floats = field(init=False, repr=False)
     centroid: Floats = field(init=False, repr=False)
@@ -150,7 +151,7 @@ class BlockAssembly(RigidBlocks):
         return self.blocks  # type: ignore[return-value]
 
     @property
-    def jointed_edges(self) -> Ints:
+    def jointed_facets(self) -> Ints:
         """Numbers of the edges that have a joint."""
         return np.union1d(self.joints.slave_edge, self.joints.master_edge)
 
@@ -201,6 +202,12 @@ class BlockAssembly(RigidBlocks):
         start, end = self.edges.start[:, edges], self.edges.end[:, edges]
         return EdgeCurves(start, (start + end) / 2, end)
 
+    @property
+    def lone_meetings(self) -> tuple[Ints, Ints, Floats]:
+        """Blocks that meet with corners where no chain of joints links them, and where, m."""
+        own, alone = self.meetings, ~self.meetings.linked
+        return own.first[alone], own.second[alone], own.place[:, alone]
+
     def check_load(self, load: Load, field: str) -> None:
         """Raise `InputError` where no block carries a load."""
         carried(load, self)
@@ -209,6 +216,7 @@ class BlockAssembly(RigidBlocks):
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
         """Raise `InputError` where a block touches nothing, or by a corner only."""
+        check_resting_corners(self, field)
         check_contact(self, field, supports, touched)
 
     def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:

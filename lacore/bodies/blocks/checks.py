@@ -1,6 +1,6 @@
-"""Whether blocks touch what holds them: by edges, and each of them something."""
+"""Whether the contact of rigid blocks is such as joints, interfaces and supports can carry."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,35 +11,40 @@ from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix
 from lacore.errors import InputError
+from lacore.showing import placed
 
 if TYPE_CHECKING:
     from lacore.bodies.blocks.block_assembly import BlockAssembly
 
 
 def check_contact(
-    body: "BlockAssembly", field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+    body: RigidBlocks, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
 ) -> None:
-    """Refuse what no contact carries.
+    """Reject contact that neither joints nor interfaces carry.
 
     Args:
-        body: of a problem.
-        field: its own, for messages.
-        supports: of this body.
-        touched: where interfaces touch it.
+        body: Assembly of a problem.
+        field: Name of the assembly, for messages.
+        supports: Supports of this assembly.
+        touched: Where interfaces touch it.
 
     Raises:
-        InputError: a corner that rests on an edge or meets others with nothing but corners; an
-            obstacle along an edge that has a joint; a block that touches nothing.
+        InputError: An obstacle acts on a facet that has a joint; two blocks meet without a joint
+            where no other blocks keep them apart; a block touches nothing.
     """
-    _check_corners(body, field, supports)
     for own in touched:
         if own.by_obstacle:
-            _check_free(body, own)
-    check_isolated(body, field, supports, touched, lambda _: "")
+            _check_unjointed(body, own)
+    _check_meetings(body, field, supports)
+    _check_isolated(body, field, supports, touched)
 
 
-def _check_corners(body: "BlockAssembly", field: str, supports: Sequence[Fix]) -> None:
-    """Refuse contacts at single points, which no joint carries: blocks would fall through."""
+def check_resting_corners(body: "BlockAssembly", field: str) -> None:
+    """Reject corners that rest inside an edge: without a joint, blocks would fall through it.
+
+    Raises:
+        InputError: There is such a corner.
+    """
     places, blocks, others = resting_corners(body.edges, body.joints, body.allowed)
     if blocks.size:
         block, other = body.names[blocks[0]], body.names[others[0]]
@@ -50,62 +55,54 @@ def _check_corners(body: "BlockAssembly", field: str, supports: Sequence[Fix]) -
             f" (such corners: {blocks.size})",
             "cut the corner off, so that an edge rests there, or move the blocks apart",
         )
-    met = body.meetings
-    alone = np.flatnonzero(~met.linked)
-    if not alone.size:
-        return
-    moving = moving_blocks(body, supports)
-    alone = alone[np.isin(met.first[alone], moving) | np.isin(met.second[alone], moving)]
-    if alone.size:
-        block, other = body.names[met.first[alone[0]]], body.names[met.second[alone[0]]]
-        raise InputError(
-            field,
-            (block, other),
-            f"{block!r} and {other!r} touch at {met.place[:, alone[0]]} with nothing but corners"
-            f" (such places: {alone.size}), where contact has no normal",
-            "cut a corner off, so that edges touch there, or move the blocks apart",
-        )
 
 
-def _check_free(body: "BlockAssembly", touched: Touched) -> None:
-    """No obstacle along an edge of a block that has a joint: the joint's block is there."""
-    taken = np.intersect1d(touched.edges, body.jointed_edges)
+def _check_unjointed(body: RigidBlocks, touched: Touched) -> None:
+    """Reject an obstacle on a facet that has a joint, because another block is there."""
+    taken = np.intersect1d(touched.edges, body.jointed_facets)[:1]
     if taken.size:
-        name = body.names[body.edges.block[taken[0]]]
-        start, end = body.edges.start[:, taken[0]], body.edges.end[:, taken[0]]
+        (block,), (centroid, *_) = body.blocks_of(taken), body.geometry_of(taken)
         raise InputError(
             touched.field,
             touched.name,
-            f"the edge of block {name!r} from {start} to {end} has a joint with another block",
-            "select the edges that touch the obstacle by a function of coordinates",
+            f"the {body.facet} of block {body.names[block]!r} about {placed(centroid[:, 0])} m has"
+            " a joint with another block",
+            f"select the {body.facet}s that touch the obstacle by a function of coordinates",
         )
 
 
-def check_isolated(
-    body: RigidBlocks,
-    field: str,
-    supports: Sequence[Fix],
-    touched: Sequence[Touched],
-    why: Callable[[str], str],
+def _check_isolated(
+    body: RigidBlocks, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
 ) -> None:
-    """Raise `InputError` unless each block touches something, or a support holds it.
-
-    Args:
-        body: an assembly.
-        field, supports, touched: see `check_contact`.
-        why: what else there is to say of a block that does not; empty of most.
-    """
+    """Reject a block that touches nothing and has no support."""
     if not body.isolated:
         return
-    edges = [np.zeros(0, dtype=np.int64), *(own.edges for own in touched)]
-    edges += [body.outline(support.where, "Fix.where") for support in supports]
-    known = {body.names[block] for block in body.blocks_of(np.concatenate(edges))}
+    facets = [np.zeros(0, dtype=np.int64), *(own.edges for own in touched)]
+    facets += [body.outline(support.where, "Fix.where") for support in supports]
+    known = {body.names[block] for block in body.blocks_of(np.concatenate(facets))}
     loose = [block for block in body.isolated if block not in known]
     if loose:
         raise InputError(
             field,
             loose[0],
-            "a block that touches nothing: no joint, no interface, no support"
-            + (f"; {more}" if (more := why(loose[0])) else ""),
+            "a block that touches nothing: no joint, no interface, no support",
             "move it against its neighbours, or give it an interface or a support",
+        )
+
+
+def _check_meetings(body: RigidBlocks, field: str, supports: Sequence[Fix]) -> None:
+    """Reject blocks that can move and meet another one where no joint keeps them apart."""
+    first, second, places = body.lone_meetings
+    if not first.size:
+        return
+    moving = moving_blocks(body, supports)
+    own = np.flatnonzero(np.isin(first, moving) | np.isin(second, moving))
+    if own.size:
+        one, other = (body.names[blocks[own[0]]] for blocks in (first, second))
+        raise InputError(
+            field,
+            (one, other),
+            f"these blocks touch at {placed(places[:, own[0]])} m with {body.rim} only, which makes"
+            f" no joint, and nothing else keeps them apart there (such places: {own.size})",
+            f"cut {body.rim} off, so that {body.facet}s touch there, or move the blocks apart",
         )

@@ -92,8 +92,8 @@ def _covered(
     """Edges that a fill can lie on or against."""
     rise = blocks.edges.normal[1]
     if where is None:
-        return np.setdiff1d(np.flatnonzero(rise > _UPWARDS), blocks.jointed_edges)
-    edges = np.setdiff1d(blocks.outline(where, "where"), blocks.jointed_edges)
+        return np.setdiff1d(np.flatnonzero(rise > _UPWARDS), blocks.jointed_facets)
+    edges = np.setdiff1d(blocks.outline(where, "where"), blocks.jointed_facets)
     return np.asarray(edges[rise[edges] > -_UPWARDS])
 
 

@@ -129,20 +129,34 @@ def _links(
     edges: BlockEdges, joints: Joints, place: Floats, i: Ints, j: Ints, tolerance: float
 ) -> tuple[Bools, Bools]:
     """Whether joints at the place link the two blocks in a chain, and whether one joint does."""
-    k, blocks = i.size, int(edges.block.max(initial=0)) + 1
     lines = shapely.linestrings(np.stack([joints.start.T, joints.end.T], axis=1))
     meeting, joint = shapely.STRtree(lines).query(
         shapely.points(place.T), predicate="dwithin", distance=_NEAR * tolerance
     )
-    slave = meeting * blocks + joints.slave[joint]
-    master = meeting * blocks + joints.master[joint]
-    one, other = (np.arange(k) * blocks + edges.block[ends] for ends in (i, j))
-    nodes, number = np.unique(np.concatenate([slave, master, one, other]), return_inverse=True)
-    slave, master, one, other = np.split(number, np.cumsum([slave.size, slave.size, k]))
-    size = nodes.size
-    graph = coo_matrix((np.ones(slave.size), (slave, master)), shape=(size, size))
-    part = connected_components(graph, directed=False)[1] if size else np.zeros(0, dtype=np.int64)
-    pairs = np.sort(np.stack([slave, master]), axis=0)
-    wanted = np.sort(np.stack([one, other]), axis=0)
-    jointed = np.isin(wanted[0] * size + wanted[1], pairs[0] * size + pairs[1])
-    return np.asarray(part[one] == part[other]), jointed
+    first, second = edges.block[i], edges.block[j]
+    slave, master = joints.slave[joint], joints.master[joint]  # the slave comes last
+    count = int(edges.block.max(initial=0)) + 1
+    met = (np.arange(i.size) * count + first) * count + second
+    jointed = np.isin(met, (meeting * count + master) * count + slave)
+    return linked_by_joints(meeting, slave, master, first, second), jointed
+
+
+def linked_by_joints(meeting: Ints, slave: Ints, master: Ints, first: Ints, second: Ints) -> Bools:
+    """Whether a chain of joints around each meeting of two blocks leads from one to the other.
+
+    Args:
+        meeting: The meeting that each joint is at, (q,); a joint may be at several.
+        slave: Block numbers of these joints, (q,).
+        master: Block numbers of these joints, (q,).
+        first: Block numbers of the meetings, (k,).
+        second: Block numbers of the meetings, (k,).
+    """
+    count = max(int(own.max(initial=0)) for own in (slave, master, first, second)) + 1
+    number = np.arange(first.size)
+    ends = ((meeting, slave), (meeting, master), (number, first), (number, second))
+    keys = np.concatenate([where * count + block for where, block in ends])
+    nodes, label = np.unique(keys, return_inverse=True)
+    slave, master, one, other = np.split(label, np.cumsum([slave.size, master.size, first.size]))
+    graph = coo_matrix((np.ones(slave.size), (slave, master)), shape=(nodes.size, nodes.size))
+    part = connected_components(graph, directed=False)[1] if nodes.size else label
+    return np.asarray(part[one] == part[other])

@@ -80,7 +80,9 @@ class RigidBlocks(Shown):
 
     dimension: ClassVar[int]
     facet: ClassVar[str]
-    """What a predicate selects."""
+    """Name of a facet."""
+    rim: ClassVar[str]
+    """Name of what bounds facets: blocks that meet there only have no joint."""
     pointwise: ClassVar[bool] = False  # blocks touch other bodies along facets
     deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
@@ -142,6 +144,16 @@ class RigidBlocks(Shown):
     @abstractmethod
     def away(self, place: Floats) -> Floats:
         """Distances of a place, (d,), from all blocks, m, (B,); at most 0 inside."""
+
+    @property
+    @abstractmethod
+    def jointed_facets(self) -> Ints:
+        """Numbers of the facets that have a joint, ascending."""
+
+    @property
+    @abstractmethod
+    def lone_meetings(self) -> tuple[Ints, Ints, Floats]:
+        """Pairs of blocks, (k,) each, that meet where no joints keep them apart, and where, m."""
 
     @abstractmethod
     def check_load(self, load: Load, field: str) -> None:
@@ -223,7 +235,7 @@ class RigidBlocks(Shown):
             fix = text("give a name, names, or {}", predicate)
             raise InputError(field, where, "no part of the blocks", fix)
         if chosen.size == 0:
-            fix = f"select {self.facet}: the blocks lie in {spanned(*self.box)}"
+            fix = f"select at least one {self.facet}: the blocks lie in {spanned(*self.box)}"
             raise InputError(field, None, "an empty outline", fix)
         return chosen
 

@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from lacore.arrays import Floats, Ints
+from lacore.bodies.blocks.meeting_corners import linked_by_joints
 from lacore.bodies.blocks3d.faces import boxes_that_meet
 from lacore.bodies.blocks3d.joints import Joints3D
 from lacore.bodies.blocks3d.pieces import kept_apart, largest_balls, shared_middles
@@ -39,30 +38,6 @@ def require_apart(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: 
         )
 
 
-def touched_by(
-    polyhedra: Sequence[Polyhedron], which: Ints, tolerance: float
-) -> tuple[Ints, Ints, Floats]:
-    """What blocks touch, if only with a corner or an edge.
-
-    Args:
-        polyhedra: all blocks.
-        which: numbers of those that are asked for.
-        tolerance: m.
-
-    Returns:
-        the number of each that touches another, (k,), ascending, that of the other, and the place,
-        (3, k), m.
-    """
-    first, second, radius, centre = _common_balls(polyhedra, -tolerance)[:4]
-    near = np.flatnonzero(2 * radius >= -tolerance)
-    own = np.concatenate([first[near], second[near]])
-    other, ball = np.concatenate([second[near], first[near]]), np.concatenate([near, near])
-    order = np.lexsort((other, own))
-    order = order[np.isin(own[order], which)]
-    _, once = np.unique(own[order], return_index=True)
-    return own[order][once], other[order][once], centre[:, ball[order][once]]
-
-
 def meeting_alone(
     polyhedra: Sequence[Polyhedron], joints: Joints3D, tolerance: float
 ) -> tuple[Ints, Ints, Floats]:
@@ -90,15 +65,8 @@ def meeting_alone(
     pieces = [piece for own in polyhedra for piece in own.pieces]
     place = shared_middles(pieces, both[0, met], both[1, met], tolerance, centre[:, met])
     meeting, joint = _joints_at(joints, place, _NEAR * tolerance)
-    slave, master = (meeting * count + own[joint] for own in (joints.slave, joints.master))
-    number = np.arange(first.size) * count
-    nodes, label = np.unique(
-        np.concatenate([slave, master, number + first, number + second]), return_inverse=True
-    )
-    slave, master, one, other = np.split(label, np.cumsum([slave.size, slave.size, first.size]))
-    graph = coo_matrix((np.ones(slave.size), (slave, master)), shape=(nodes.size, nodes.size))
-    part = connected_components(graph, directed=False)[1] if nodes.size else label
-    alone = np.flatnonzero(part[one] != part[other])
+    slave, master = joints.slave[joint], joints.master[joint]
+    alone = np.flatnonzero(~linked_by_joints(meeting, slave, master, first, second))
     return first[alone], second[alone], place[:, alone]
 
 

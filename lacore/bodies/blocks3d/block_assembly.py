@@ -16,13 +16,12 @@ from typing import ClassVar
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.bodies.blocks.checks import check_isolated
+from lacore.bodies.blocks.checks import check_contact
 from lacore.bodies.blocks.joints import JointFriction, joint_law, joint_terms
 from lacore.bodies.blocks.loads import carried
-from lacore.bodies.blocks.motions import moving_blocks
 from lacore.bodies.blocks.polygons import block_name
 from lacore.bodies.blocks.rigid_blocks import CrushingPoints, RigidBlocks, require_resolved
-from lacore.bodies.blocks3d.apart import meeting_alone, require_apart, touched_by
+from lacore.bodies.blocks3d.apart import meeting_alone, require_apart
 from lacore.bodies.blocks3d.crushing import Crushing, crushing_of
 from lacore.bodies.blocks3d.faces import Faces, faces_of
 from lacore.bodies.blocks3d.joints import Joints3D, find_joints
@@ -35,7 +34,7 @@ from lacore.errors import InputError, require_positive
 from lacore.materials.friction import Friction
 from lacore.reporting import terms
 from lacore.reporting.text import text
-from lacore.showing import Facts, counted, placed, short
+from lacore.showing import Facts, counted, short
 
 _TOLERANCE = 1e-6  # of the mean block size
 
@@ -79,7 +78,8 @@ class BlockAssembly3D(RigidBlocks):
     tolerance: float | None = None
     crushing: float | Crushing | None = None
     dimension: ClassVar[int] = 3
-    facet: ClassVar[str] = "the centroid of at least one face"
+    facet: ClassVar[str] = "face"
+    rim: ClassVar[str] = "an edge or a corner"
     names: tuple[str, ...] = field(init=False, repr=False)
     volume: Floats = field(init=False, repr=False)
     centroid: Floats = field(init=False, repr=False)
@@ -196,7 +196,7 @@ class BlockAssembly3D(RigidBlocks):
         return self.faces.points[:, own] + self.faces.origin[:, None], face[own]
 
     @property
-    def jointed_faces(self) -> Ints:
+    def jointed_facets(self) -> Ints:
         """Numbers of the faces that have a joint."""
         own, first = self.joints, np.searchsorted(self.faces.block, np.arange(len(self.names)))
         slave, master = first[own.slave] + own.slave_face, first[own.master] + own.master_face
@@ -209,52 +209,21 @@ class BlockAssembly3D(RigidBlocks):
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Raise `InputError` where a block touches nothing, or an obstacle where a joint is.
+        """Raise `InputError` where a block touches nothing, or with an edge or a corner only.
 
-        Also where two meet with an edge or a corner and nothing else is there. Of blocks that crush
-        wherever they touch what is not of this assembly.
+        Of blocks that crush wherever they touch what is not of this assembly.
         """
-        for own in touched:
-            if self.crushing is not None:
-                raise InputError(
-                    own.field,
-                    own.name,
-                    "joints of these blocks crush, contact with what is no block of them would not",
-                    text("give what they touch as a block, and hold it by a {}", terms.SUPPORT),
-                )
-            taken = np.intersect1d(own.edges, self.jointed_faces)
-            if own.by_obstacle and taken.size:
-                block = self.names[self.faces.block[taken[0]]]
-                raise InputError(
-                    own.field,
-                    own.name,
-                    f"the face of block {block!r} about {placed(self.face_centroid[:, taken[0]])} m"
-                    " has a joint with another block",
-                    "select the faces that touch the obstacle by a function of coordinates",
-                )
-        check_isolated(self, field, supports, touched, self._touched_at)
-        self._check_meetings(field, supports)
-
-    def _check_meetings(self, field: str, supports: Sequence[Fix]) -> None:
-        """Refuse blocks that move and meet with an edge or a corner alone, which no joint keeps."""
-        first, second, place = self._alone
-        if not first.size:
-            return
-        moving = moving_blocks(self, supports)
-        own = np.flatnonzero(np.isin(first, moving) | np.isin(second, moving))
-        if own.size:
-            one, other = (self.names[blocks[own[0]]] for blocks in (first, second))
+        if self.crushing is not None and touched:
             raise InputError(
-                field,
-                (one, other),
-                f"these blocks touch at {placed(place[:, own[0]])} m with an edge or a corner only,"
-                f" which makes no joint, and nothing else keeps them apart there (such pairs:"
-                f" {own.size})",
-                "cut the edge off, so that faces touch there, or move the blocks apart",
+                touched[0].field,
+                touched[0].name,
+                "joints of these blocks crush, contact with what is no block of them would not",
+                text("give what they touch as a block, and hold it by a {}", terms.SUPPORT),
             )
+        check_contact(self, field, supports, touched)
 
     @cached_property
-    def _alone(self) -> tuple[Ints, Ints, Floats]:
+    def lone_meetings(self) -> tuple[Ints, Ints, Floats]:
         """See `meeting_alone`."""
         blocks, joints = list(self.polyhedra.values()), self.joints
         if self.crushing is not None:  # points of cells are not at the rim
@@ -268,17 +237,6 @@ class BlockAssembly3D(RigidBlocks):
         for name, value in {"crushing": crushing, "joints": joints}.items():
             object.__setattr__(other, name, value)
         return other
-
-    def _touched_at(self, block: str) -> str:
-        """What a block without a joint touches all the same, in words; empty where nothing."""
-        number = np.array([self.names.index(block)])
-        _, others, places = touched_by(list(self.polyhedra.values()), number, self.allowed)
-        if not others.size:
-            return ""
-        return (
-            f"it touches {self.names[others[0]]!r} at {placed(places[:, 0])} m with an edge or a"
-            " corner only, which makes no joint"
-        )
 
     def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:
         """Faces whose centroids satisfy a predicate.

@@ -27,14 +27,16 @@ def turned(blocks, angle):
 
 def test_a_beam_whose_corner_rests_on_a_corner():
     """Pulled down at its end it was solved, held by nothing at the other."""
-    with pytest.raises(la.InputError, match=r"'pier' and 'beam' touch at \[0. 1.\].*no normal"):
+    with pytest.raises(
+        la.InputError, match=r"'pier', 'beam'.*touch at \(0, 1\) m with a corner only"
+    ):
         pushed(BEAM, la.BodyForce("b", (1, 0), "beam"))
 
 
 def test_a_corner_in_a_reentrant_corner():
     notch = [(-2, 0), (0, 0), (0, 2), (2, 2), (2, -1), (-2, -1)]
     tip = [(0, 0), (-0.5, 1), (-1, 1)]
-    with pytest.raises(la.InputError, match="nothing but corners"):
+    with pytest.raises(la.InputError, match="with a corner only"):
         pushed({"base": notch, "tip": tip}, la.BodyForce("b", (1, 0), "tip"))
 
 
@@ -45,7 +47,7 @@ def test_what_is_held_may_touch_at_corners():
         blocks, la.BodyForce("b", (1, 0), "block"), supports=[la.Fix("b", ("low", "base"))]
     )
     assert la.solve(problem, throw=True).load_factor == pytest.approx(0.3, rel=1e-6)
-    with pytest.raises(la.InputError, match="'low' and 'base' touch"):
+    with pytest.raises(la.InputError, match=r"'low', 'base'.*touch"):
         pushed(blocks, la.BodyForce("b", (1, 0), "block"), supports=[la.Fix("b", "low")])
 
 

@@ -68,7 +68,7 @@ def test_a_tapering_slit_is_a_slit():
 def test_an_obstacle_where_a_joint_is():
     """The whole outline of a block that stands on another: it came back as locked."""
     outline = la.Interface(("b", "small"), la.RigidObstacle(), 0.3)
-    with pytest.raises(la.InputError, match=r"block 'small' from .* has a joint with another"):
+    with pytest.raises(la.InputError, match=r"block 'small' about .* has a joint with another"):
         pushed(TWO, la.BodyForce("b", RIGHT), interfaces=[outline])
 
 

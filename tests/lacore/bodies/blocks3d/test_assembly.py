@@ -64,7 +64,7 @@ def test_names_and_joints():
         ),
         (
             lambda: stack({**STACK, "edge": box((1, 1, 1), (2, 2, 2))}),
-            ("'edge'", "it touches '0' at (1, 1, 1) m", "makes no joint"),
+            ("'edge'", "'0'", "touch at (1, 1, 1) m", "makes no joint"),
         ),
         (
             lambda: stack(supports=[la.Fix("stack", "0", "xy")]),

@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import lacore as la
-from lacore.bodies.blocks3d.apart import require_apart, touched_by
+from lacore.bodies.blocks3d.apart import meeting_alone, require_apart
 from lacore.bodies.blocks3d.joints import find_joints
 from lacore.bodies.blocks3d.slits import require_no_slits
 from lacore.bodies.blocks3d.surface import axes_of
@@ -78,11 +78,11 @@ def test_a_piece_that_is_not_convex_gets_the_corners_of_its_hull():
 def test_edges_and_corners_make_no_joint():
     blocks = {"a": box((0, 0, 0), (1, 1, 1)), "b": box((1, 1, 0), (2, 2, 1))}
     assert find_joints(blocks, NEAR).count == 0
-    one, other, place = touched_by(list(blocks.values()), np.array([1]), NEAR)
-    assert (one.tolist(), other.tolist()) == ([1], [0])
+    one, other, place = meeting_alone(list(blocks.values()), find_joints(blocks, NEAR), NEAR)
+    assert (one.tolist(), other.tolist()) == ([0], [1])
     assert place[:2, 0] == pytest.approx([1, 1], abs=NEAR)
-    far = [blocks["a"], box((1, 1.1, 0), (2, 2, 1))]
-    assert touched_by(far, np.array([0, 1]), NEAR)[0].size == 0
+    far = {"a": blocks["a"], "b": box((1, 1.1, 0), (2, 2, 1))}
+    assert not meeting_alone(list(far.values()), find_joints(far, NEAR), NEAR)[0].size
 
 
 @settings(deadline=None, max_examples=10)
