@@ -156,7 +156,7 @@ def test_all_code_runs_as_printed(page, somewhere):
 def check_friction(names):
     """The search finds more than a tenth below what one solve reports, as the page says."""
     range_of_wall = names["searched"]
-    assert range_of_wall.low < 0.9 * names["state"].interval.high
+    assert range_of_wall.low < 0.9 * names["state"].interval().high
     assert "found, not proven: that none is lower" in names["printed"]
     assert names["found"].low > names["found"].continuum[1]  # of the discrete problem
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -165,13 +164,12 @@ class Bracket(Shown):
         told = (self.status.value, self.stopped, proven_of, self.failure, str(reached or ""))
         return "; ".join(filter(None, told))
 
-    @cached_property
     def gaps(self) -> GapIdentity:
-        """Shares of the elements of the upper bound's mesh in the gap to a lower bound there (T26).
+        """Compute the shares of the elements in the gap, on the mesh of the upper bound (T26).
 
-        Where the lower bound has a mesh of its own, from one more solve: without the fans of that
-        mesh its lower bound is a little worse. With Coulomb friction both are of the problem with
-        associated friction.
+        Where the lower bound has a mesh of its own, this solves for a lower bound on that of the
+        upper bound: without the fans of its own mesh it is a little worse. With Coulomb friction
+        both are of the problem with associated friction.
 
         Raises:
             ValueError: there is no upper bound.

@@ -231,7 +231,7 @@ def _solved(
 
 def _falling(state: LimitState) -> LimitState:
     """An unsafe state with the mechanism that falls, unless it drives corners together."""
-    state = replace(state, point=state.stability.point)
+    state = replace(state, point=state.stability().point)
     moved = None if state.point is None else state.point.velocity
     corners = driven_corners(state.discretisation, moved, state.tolerance)
     if not corners:

@@ -281,23 +281,21 @@ class LimitState(Reported, Shown):
             hinges=hinges,
         )
 
-    @cached_property
     def interval(self) -> Interval:
-        """All load factors that this mechanism can carry, from two more solves (T14b a).
+        """Compute all load factors that this mechanism can carry, by two more solves (T14b a).
 
-        In SI units; each end with its own reactions and certificate. Computed when first asked for,
-        by the backend of this state.
+        They are solved by the backend of this state. The interval is in SI units; each of its ends
+        has its own reactions and certificate.
         """
         return interval_of_state(
             self.discretisation, self._point(), self.backend, self.options, self.tolerance
         )
 
-    @cached_property
     def stability(self) -> Stability:
-        """Whether the dead loads alone are carried, and which load factors are.
+        """Compute whether the dead loads alone are carried, and which load factors are.
 
-        One conic program more where they are, a few where they are not; none without dead loads.
-        Computed when first asked for, by the backend of this state, whatever its status.
+        This solves one more conic program where they are carried, a few where they are not, and
+        none without dead loads, by the backend of this state, whatever its status.
         """
         known = self.load_factor if self.status in (Status.SOLVED, Status.LOCKED) else np.nan
         return stability_of(
@@ -335,7 +333,7 @@ class LimitState(Reported, Shown):
         return Picture(self.plot())
 
     def __str__(self) -> str:
-        """What was found, what it is worth, and `stability`, which is computed for it."""
+        """Return the load factor, what it proves, its largest residual and the message."""
         named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
         worth = self.discretisation.worth(self.rigor)
         lines = [f"load factor {self.load_factor:.6g} ({worth}; {named})"]
@@ -348,8 +346,6 @@ class LimitState(Reported, Shown):
             lines.append(note)
         if self.ray is not None:
             lines.append(f"proof: {self.ray}")
-        if self.discretisation.program.homogeneous:
-            lines.append(str(self.stability))
         return "\n".join(lines)
 
     @cached_property

@@ -38,7 +38,7 @@ def plot_bracket(bracket: Bracket, units: Units = _SI) -> Figure:
     return plot_shares(
         bracket.heading,
         mesh_of(above.problem),
-        np.concatenate(list(bracket.gaps.elements.values())),
+        np.concatenate(list(bracket.gaps().elements.values())),
         mesh_of(below.model.problem),
         np.concatenate([lower_shares(below, name) for name in below.model.continua]),
         units,

@@ -381,7 +381,8 @@ def _require_one(state: LimitState) -> None:
         )
     if state.discretisation.program.frictional:
         return
-    low, high = state.interval.low, state.interval.high
+    interval = state.interval()
+    low, high = interval.low, interval.high
     if not high - low <= 100 * state.tolerance * abs(state.load_factor):  # false for NaN
         raise InputError(
             "state",

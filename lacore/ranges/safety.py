@@ -257,7 +257,7 @@ def _reached_from_dead(state: LimitState) -> bool:
     """
     if state.status is Status.UNSAFE:
         return False
-    return not state.load_factor >= 1 or state.stability.standing is Standing.STANDS
+    return not state.load_factor >= 1 or state.stability().standing is Standing.STANDS
 
 
 def _end(

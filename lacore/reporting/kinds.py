@@ -47,11 +47,11 @@ class Kind(Enum):
     )
     LARGER_LOADS = (
         "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
-        " structure may stand above this load factor and not below; see `state.stability`"
+        " structure may stand above this load factor and not below; see `state.stability()`"
     )
     NEGATIVE = (
         "the load factor is negative: the dead loads alone may not be carried; see"
-        " `state.stability`"
+        " `state.stability()`"
     )
     POLYGON = (
         "it is of the polygon that stands for a curved outline (Body.geometry='approximated'), not"

@@ -150,7 +150,7 @@ def test_bracket(benchmark, loaded, name):
     assert found.status is la.Ending.REACHED
     assert (again.lower, again.upper) == (found.lower, found.upper)
     assert found.history.elements.max() <= run.elements
-    gaps = found.gaps
+    gaps = found.gaps()
     assert gaps.total == pytest.approx(gaps.upper - gaps.lower, rel=1e-5)
     assert gaps.least >= -1e-9
     assert known(found, name)

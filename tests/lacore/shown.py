@@ -230,8 +230,8 @@ def results():
     made += [body for problem in (punch(), mixed(), portal()) for body in problem.bodies.values()]
     made += [la.discretise(problem) for problem in (punch(2, 2), mixed(), portal())]
     for state in (found[0], found[5]):
-        made += [state.certificate, state.interval, state.interval.lower, state.stability]
-    made += [found[-3].ray, found[-2].ray, found[-2].stability]
+        made += [state.certificate, state.interval(), state.interval().lower, state.stability()]
+    made += [found[-3].ray, found[-2].ray, found[-2].stability()]
     below, above = la.lower_bound(punch(2, 2)), la.upper_bound(punch(2, 2))
     made += [below, above, la.lower_bound(locked()), la.upper_bound(locked())]
     gap = la.gap_identity(above, below)

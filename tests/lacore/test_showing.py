@@ -4,6 +4,7 @@ import inspect
 import subprocess
 import sys
 from enum import Enum
+from functools import cached_property
 from html.parser import HTMLParser
 from typing import get_type_hints
 
@@ -82,7 +83,27 @@ def test_what_is_said_is_true():
     unsafe = la.solve(shown.unsafe())
     assert "load factor nan, not certified" in repr(unsafe)
     assert "unsafe: no load factor keeps equilibrium" in repr(unsafe)
-    assert "stability" not in vars(state)  # nothing was solved for it
+
+
+def test_printing_and_reading_a_result_solve_nothing(monkeypatch):
+    """All properties and texts of a state and of a bracket, also those of an unsafe state."""
+    results = (
+        la.solve(punch(2, 2)),
+        la.solve(shown.unsafe()),
+        la.bracket(punch(2, 2), time_limit=1.0),
+    )
+
+    def refuse(*_):
+        raise AssertionError("a solver is loaded")
+
+    monkeypatch.setattr("lacore.solvers.registry.load_backend", refuse)
+    with pytest.raises(AssertionError, match="a solver is loaded"):
+        results[1].stability()
+    for result in results:
+        assert all([str(result), repr(result), str(result.facts())])
+        for name, member in vars(type(result)).items():
+            if isinstance(member, property | cached_property):
+                getattr(result, name)
 
 
 def test_numbers_have_at_most_seven_digits():

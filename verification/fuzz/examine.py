@@ -213,7 +213,7 @@ class Found:
         if not self._base.solved or state is None:
             return
         try:
-            found = state.interval
+            found = state.interval()
         except Exception as error:  # a certified state has one
             yield Wrong("exception", told(error))
             return

@@ -119,7 +119,7 @@ def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterato
         # Elements that are too few to carry the dead loads, or to flow, are no failure.
         if lower.status not in _FEW and upper.status not in _FEW:
             yield _shares(mesh, upper, la.gap_identity(upper, lower))
-    yield _shares("upper", found.upper_bound, found.gaps)
+    yield _shares("upper", found.upper_bound, found.gaps())
     below = found.lower_bound
     above, stated = found.upper_bound, below.model.problem
     if above.discretisation.problem is not stated:

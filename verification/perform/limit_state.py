@@ -81,7 +81,7 @@ def _standing(state: la.LimitState) -> dict[str, Any]:
     """
     if la.find_backend(state.backend).capabilities.regularised:
         return {}
-    found = replace(state, backend=JUDGE, options={}).stability
+    found = replace(state, backend=JUDGE, options={}).stability()
     return {
         "standing": found.standing.label,
         "side": found.side,

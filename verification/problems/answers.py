@@ -191,9 +191,9 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
         state = la.solve(problem, question.backend, question.coupling)
         interval = stability = None
         if state.status is la.Status.SOLVED and has_coulomb(problem):
-            interval = None if engine.capabilities.regularised else state.interval
+            interval = None if engine.capabilities.regularised else state.interval()
         if problem.dead_loads:
-            stability = state.stability
+            stability = state.stability()
     bracket = found = safety = None
     if question.bracket is not None:
         with doing("computing bounds") as tell:

@@ -76,7 +76,7 @@ def proven(found):
     assert history.upper.is_monotonic_decreasing
     assert history.seconds.is_monotonic_increasing
     assert found.width == pytest.approx(history.width.iloc[-1])
-    identity = found.gaps
+    identity = found.gaps()
     # Round-off of a sum of a thousand terms; the mesh of the gaps is that of the upper bound.
     assert identity.total == pytest.approx(identity.upper - identity.lower, rel=1e-5)
     assert identity.least >= -1e-9
@@ -198,7 +198,7 @@ def test_picture_of_gaps():
     figure = found.plot()
     upper, lower = (axes.collections[0] for axes in figure.axes if axes.get_xlabel() == "x [m]")
     assert "reached" in figure.get_suptitle()
-    assert len(upper.get_paths()) == found.gaps.elements["soil"].size
+    assert len(upper.get_paths()) == found.gaps().elements["soil"].size
     assert len(lower.get_paths()) == found.lower_bound.model.n_elements
 
 

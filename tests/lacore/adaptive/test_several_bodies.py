@@ -30,7 +30,7 @@ def test_interfaces_of_any_law(law):
     found = la.bracket(layers(law, (7, 2)), 0.2)
     assert found.status is la.Ending.REACHED
     assert found.strict
-    gaps = found.gaps
+    gaps = found.gaps()
     assert gaps.total == pytest.approx(found.upper_bound.load_factor - gaps.lower, rel=1e-6)
     sides = found.upper_bound.discretisation.problem
     assert matching(sides) is sides

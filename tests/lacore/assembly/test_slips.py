@@ -139,7 +139,7 @@ def test_brackets_of_a_passive_wall_with_friction(mu):
     assert found.status is la.Ending.REACHED
     assert found.strict
     assert found.lower <= passive_pressure(mu) <= found.upper
-    gaps = found.gaps
+    gaps = found.gaps()
     assert gaps.total == pytest.approx(gaps.upper - gaps.lower, abs=ROUND_OFF)
 
 

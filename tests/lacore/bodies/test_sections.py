@@ -229,7 +229,7 @@ def test_whether_a_weight_on_a_cable_stands(weight, stands):
     dead = [force("o", (0, -weight))]
     state = la.solve(la.Problem({"frame": hung}, [force("o", (0, -1))], fixed, dead_loads=dead))
     assert state.load_factor == pytest.approx(1 - weight, abs=BAR)
-    assert (state.stability.standing is la.Standing.STANDS) == stands
+    assert (state.stability().standing is la.Standing.STANDS) == stands
 
 
 def test_a_column_that_bears_no_tension():

@@ -223,7 +223,7 @@ def test_a_bracket_of_a_block_that_slides():
     assert found.strict
     assert not found.coulomb
     assert found.lower <= PRANDTL <= found.upper
-    assert found.gaps.total == pytest.approx(found.upper - found.gaps.lower, rel=1e-6)
+    assert found.gaps().total == pytest.approx(found.upper - found.gaps().lower, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -211,7 +211,7 @@ def test_random_walls_against_a_program_of_forces(seed, backend):
     d = state.discretisation
     program = dimensionless(d.program, d.natural)
     expected = ends_by_forces(program, point_in_program(d, state.point).velocity)
-    interval = state.interval
+    interval = state.interval()
     found = np.array([interval.low, interval.high]) / program.scales.load_factor
     assert found == pytest.approx(expected, abs=1e-7)
     assert interval.exact
@@ -220,7 +220,7 @@ def test_random_walls_against_a_program_of_forces(seed, backend):
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_the_interval_of_a_solved_problem_holds_its_load(name):
     state = la.solve(PROBLEMS[name]())
-    interval = state.interval
+    interval = state.interval()
     assert interval.exact
     assert interval.low <= state.load_factor <= interval.high
 
@@ -229,7 +229,7 @@ def test_the_interval_of_a_solved_problem_holds_its_load(name):
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_frame_has_one_load(backend, mu, p):
     """C11: sliding, hinges and both; moments have slack 1e-8 where hinges turn."""
-    interval = la.solve(pushed(mu, p), backend=backend).interval
+    interval = la.solve(pushed(mu, p), backend=backend).interval()
     assert [interval.low, interval.high] == pytest.approx([pushed_exact(mu, p)] * 2, abs=1e-6)
     assert interval.exact
 
@@ -432,7 +432,7 @@ def test_a_bound_on_friction_opens_an_interval_too(backend):
         ],
     )
     most = limit * 0.1  # along the side of the stop
-    interval = la.solve(problem, backend=backend, throw=True).interval
+    interval = la.solve(problem, backend=backend, throw=True).interval()
     ends = [mu2 * n + mu1 * (w1 + n) for n in (w2 - most, w2 + most)]
     # Each end has a certificate at 1e-6 of the power, alpha and no less.
     assert (interval.low, interval.high) == pytest.approx(tuple(ends), rel=1e-6)
@@ -446,7 +446,7 @@ def test_a_bound_on_friction_opens_an_interval_too(backend):
 def test_the_load_factor_of_a_state_lies_in_its_interval(name, backend):
     state = la.solve(PROBLEMS[name](), backend=backend)
     if state.status is la.Status.SOLVED:
-        interval = state.interval
+        interval = state.interval()
         assert interval.low <= state.load_factor <= interval.high
         for end in (interval.lower, interval.upper):
             assert state.certify(point=end.point).holds(1e-6)

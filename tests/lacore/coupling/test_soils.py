@@ -218,7 +218,7 @@ def test_a_cone_dilates_by_its_own_angle_in_axisymmetry(dilation):
 
 def test_what_is_carried_asks_for_no_flow():
     """Pressures on the sides alone are carried by friction, however little the soil dilates."""
-    stable = la.solve(pressed(0.0)).stability
+    stable = la.solve(pressed(0.0)).stability()
     assert stable.standing.name == "STANDS"
 
 
@@ -272,7 +272,7 @@ def test_what_a_bound_or_another_loop_needs_is_refused():
     with pytest.raises(la.InputError, match="soil_range"):
         la.coulomb_range(problem)
     with pytest.raises(la.InputError, match="soil_range"):
-        _ = la.solve(problem).interval
+        _ = la.solve(problem).interval()
     for coupling in ("reaction", "shift", "kappa"):
         with pytest.raises(la.InputError, match="take 'certified'"):
             la.solve(problem, coupling=coupling)
@@ -371,7 +371,7 @@ def test_what_falls_with_all_of_its_friction_falls():
     )
     state = la.solve(steep)
     assert state.status is la.Status.UNSAFE
-    assert state.stability.standing.name == "FALLS"
+    assert state.stability().standing.name == "FALLS"
     assert la.soil_range(steep, shares=(1.0,)).status is la.Status.UNSAFE
 
 

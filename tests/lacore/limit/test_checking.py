@@ -179,7 +179,7 @@ def test_a_forged_number_is_refused():
 def test_another_state_of_the_same_mechanism_is_accepted():
     """A true Coulomb state that no solver of this state found: an end of its interval."""
     state = solved("wall")
-    end = state.interval.lower
+    end = state.interval().lower
     assert end.load_factor < state.load_factor - 1e-3  # T14b: 0.638982 against 0.642859
     assert state.certify(point=end.point).holds(BAR)
     assert not state.certify(point=end.point, load_factor=state.load_factor).holds(BAR)

@@ -326,4 +326,4 @@ def test_a_state_within_a_step_has_no_bounds(stated):
         with pytest.raises(la.InputError, match="upper: a state within a step of a path"):
             la.gap_identity(state, below)
         with pytest.raises(la.InputError, match="interval: a state within a step of a path"):
-            _ = state.interval
+            _ = state.interval()

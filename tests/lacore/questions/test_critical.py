@@ -69,7 +69,9 @@ def test_equilibrium_on_one_mesh_does_not_make_a_cut_stand(material, weight, cel
     )
     found = la.stable(problem)
     assert found.stands is stands
-    assert la.solve(problem).stability.standing.label == ("falls" if stands is False else "stands")
+    assert la.solve(problem).stability().standing.label == (
+        "falls" if stands is False else "stands"
+    )
     assert ("not proven" in str(found)) == (stands is None)
 
 

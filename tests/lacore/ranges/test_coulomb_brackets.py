@@ -170,7 +170,7 @@ def test_a_bracket_of_every_coulomb_load_factor():
     above = found.upper_bound.discretisation.problem.interfaces[0].law
     assert above == la.Coulomb(0.3, associated=True)
     # The gap is one of the associated problem: its own lower bound is above that without friction.
-    assert found.gaps.least >= -1e-9
+    assert found.gaps().least >= -1e-9
     assert not found.one_mesh
     assert "every Coulomb load factor" in heading(1, 2, 0.5, "reached", "every Coulomb load factor")
     with pytest.raises(la.InputError, match=r"meshes = 'shared'"):

@@ -164,7 +164,7 @@ def test_interval_has_the_ends_of_the_closed_form(case_id, ranges, count):
     case = catalogue()[case_id]
     for values in samples(case_id, ranges, count):
         reference, band = case.reference(**values), case.band(0, **values)
-        found = la.solve(case.build(**values), throw=True).interval
+        found = la.solve(case.build(**values), throw=True).interval()
         assert found.exact, values
         assert abs(found.low - reference.low) <= 1e-6 * band.size(reference.low), values
         if reference.high < np.inf:
