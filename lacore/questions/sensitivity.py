@@ -170,7 +170,7 @@ def sensitivity(
         columns=_COLUMNS,
     )
     # As objects: a column of plain text would lose the quantities of the names.
-    table["parameter"] = pd.Series([row["parameter"] for row in rows], dtype=object)
+    table["parameter"] = pd.Series([own.name for own in parameters], dtype=object)
     order = table["elasticity"].abs().sort_values(ascending=False, na_position="last").index
     return Sensitivity(
         state=state,
