@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from lacore.paths.flow import Flow
 from lacore.paths.path import Event, PathStep
 from lacore.paths.selection import Selected, least_norm
+from lacore.reporting.text import Term, text
 
 DRIFTS, SELECTED, LOST = "velocity not unique", "velocity selected", "velocity not selected"
 """Kinds of events: the solver took one of many; the regular one was taken; none could be found."""
@@ -52,9 +53,11 @@ def warning(events: Sequence[Event]) -> str:
     steps = [event.step for event in events if event.kind == DRIFTS]
     if not steps:
         return ""
-    return (
-        f"; from step {steps[0]} on the velocity is one of many, and the loads may drift: see the"
-        " events, and take selection=lacore.LeastNorm()"
+    return text(
+        "; from step {} on the velocity is one of many, and the loads may drift: see the events,"
+        " and take {}",
+        steps[0],
+        Term("selection=lacore.LeastNorm()", "selection = { within = 1e-4 }"),
     )
 
 

@@ -75,7 +75,7 @@ class Log:
 
     def inversion(self, here: Here, stop: PathEndError) -> None:
         """The next step would turn an element inside out."""
-        element = str(stop).partition(":")[0]
+        element = stop.where
         self.event("inversion predicted", here.step + 1, here.travel, element)
 
     def step(
@@ -200,7 +200,7 @@ class Log:
         """The end; settings are those of each solve."""
         path = Path(
             status=ending,
-            message=f"{ending.label}: {message}{drift.warning(self.events)}",
+            message=text("{}: {}{}", ending.label, message, drift.warning(self.events)),
             history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
             events=_table(self.events),
             snapshots=tuple(self.snapshots),

@@ -19,6 +19,7 @@ from lacore.paths.flow import Flow, Moment, flow
 from lacore.paths.selection import LeastNorm, least_norm
 from lacore.paths.stage import Stage
 from lacore.paths.tools.overlap import contacts
+from lacore.reporting.text import Quantity, join, text
 from lacore.status import Status
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
@@ -38,10 +39,16 @@ Fields = Mapping[str, Floats]
 
 
 class PathEndError(Exception):
-    """The path cannot go on."""
+    """The path cannot go on.
 
-    def __init__(self, ending: Ending, message: str) -> None:
-        self.ending = ending
+    Attributes:
+        ending: Its kind.
+        text: The message, with its quantities and names as values.
+        where: Element or interface that it is about; empty for the whole path.
+    """
+
+    def __init__(self, ending: Ending, message: str, where: str = "") -> None:
+        self.ending, self.text, self.where = ending, message, where
         super().__init__(message)
 
 
@@ -129,23 +136,24 @@ class Walk:
             found = flow(self.stage, moment, self.settings, before)
         except InputError as wrong:
             ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
-            raise PathEndError(ending, f"{wrong}; {ending.value}") from wrong
+            raise PathEndError(ending, text("{}; {}", wrong.text, ending.value)) from wrong
         state = found.state
         self.solving(self.stage, moment, state)
         self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
             pressing = self._contacts(moment.at, TOUCH * self.size)
-            where = f"{', '.join(pressing)}: " if pressing else ""
-            text = f"{where}{Ending.LOCKED.value} (load factor {found.load_factor:.3g})"
-            raise PathEndError(Ending.LOCKED, text)
+            where = text("{}: ", join(", ", pressing)) if pressing else ""
+            factor = f"{found.load_factor:.3g}"
+            message = text("{}{} (load factor {})", where, Ending.LOCKED.value, factor)
+            raise PathEndError(Ending.LOCKED, message)
         if state.status is Status.FREE and self.stage.tools:
             names = ", ".join(map(repr, self.stage.tools))
             raise PathEndError(Ending.NO_CONTACT, f"tools {names}: {Ending.NO_CONTACT.value}")
         if state.status is not Status.SOLVED or state.point is None:
             way_out = "" if state.status is Status.UNSAFE else _OTHER_SHAPES
-            message = str(state.unanswered(state.backend))
-            raise PathEndError(Ending.NOT_SOLVED, message + way_out)
+            message = text("{}{}", state.unanswered(state.backend), way_out)
+            raise PathEndError(Ending.NOT_SOLVED, message)
         self.pressed = np.maximum(state.point.normal_reaction, 0.0)
         if self.selection is not None:
             selected = least_norm(state, self.selection.within)
@@ -174,7 +182,7 @@ class Walk:
         state = flow(self.stage, now, self.settings).state
         self.solves += state.outer_iterations
         if state.status is Status.UNSAFE:
-            raise PathEndError(Ending.NOT_SOLVED, state.message)
+            raise PathEndError(Ending.NOT_SOLVED, text("{}", state.report))
 
     def timed(
         self, here: Here, at: Configuration, distance: float, share: float, speed: float
@@ -291,9 +299,11 @@ def require_upright(stage: Stage, configuration: Configuration) -> float:
         worst = int(np.argmin(each))
         least = min(least, float(each[worst]))
         if not each[worst] > _INVERTED:
-            x, y = mesh.p[:, mesh.t[:, worst]].mean(axis=1)
-            what = f"element {worst} of {name!r} near ({x:.4g}, {y:.4g})"
-            raise PathEndError(Ending.INVERSION, f"{what}: {Ending.INVERSION.value}")
+            middle = tuple(mesh.p[:, mesh.t[:, worst]].mean(axis=1).tolist())
+            near = Quantity(middle, "m", ".4g")
+            what = text("element {} of {} near {}", worst, repr(name), near)
+            message = text("{}: {}", what, Ending.INVERSION.value)
+            raise PathEndError(Ending.INVERSION, message, what)
     return least
 
 

@@ -43,6 +43,7 @@ from lacore.paths.stored.checkpoint import Checkpoint, identity
 from lacore.paths.tools.overlap import require_apart
 from lacore.paths.tools.tool import Tool, require_own_travel, tooling
 from lacore.problem.problem import Problem
+from lacore.reporting.text import Quantity, text
 
 
 @typed()
@@ -230,7 +231,7 @@ def sequential(
         except PathEndError as stop:
             if stop.ending is Ending.INVERSION:
                 log.inversion(here, stop)
-            return call.end(log.path(stop.ending, str(stop), settings))
+            return call.end(log.path(stop.ending, stop.text, settings))
     return call.end(log.path(Ending.REACHED, Ending.REACHED.value, settings))
 
 
@@ -309,7 +310,7 @@ def _remeshed(
         stage, configuration = restaged(old, here.configuration, meshes)
         gauge = control.gauge(stage.problem)
     except InputError as wrong:
-        raise PathEndError(Ending.NOT_REMESHED, str(wrong)) from wrong
+        raise PathEndError(Ending.NOT_REMESHED, wrong.text) from wrong
     there = Here(here.step, here.travel, configuration, None, None, here.speed)
     after = Walk(stage, gauge, walk.settings, walk.selection, solving=walk.solving)
     loads = [
@@ -345,8 +346,13 @@ def _require_apart(stage: Stage, there: Here) -> None:
     bodies = stage.plane_bodies_at(there.configuration)
     if (found := corner_inside(stage.pairs, bodies)) is not None:
         pair, depth, (x, y) = found
-        what = f"{pair.name}: a corner of one body is {depth:.3g} m inside the other"
-        message = f"{what} near ({x:.4g}, {y:.4g}); {Ending.PENETRATION.value}"
+        message = text(
+            "{}: a corner of one body is {} inside the other near {}; {}",
+            pair.name,
+            Quantity(depth, "m", ".3g"),
+            Quantity((x, y), "m", ".4g"),
+            Ending.PENETRATION.value,
+        )
         raise PathEndError(Ending.PENETRATION, message)
 
 
@@ -359,5 +365,6 @@ def _volume(stage: Stage, there: Here) -> float:
     try:
         now = stage.dofs_at(there.configuration)
     except InputError as wrong:
-        raise PathEndError(Ending.OVERLAP, f"{wrong}; {Ending.OVERLAP.value}") from wrong
+        message = text("{}; {}", wrong.text, Ending.OVERLAP.value)
+        raise PathEndError(Ending.OVERLAP, message) from wrong
     return sum(float(dofs.weights.sum()) for dofs in now.values())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 from lacore.reporting.units import Units
 
@@ -54,6 +55,10 @@ class Quantity:
         # Rounded in SI first, so that all readers see the same digits.
         return f"{own:{self.form}}" if in_si else f"{float(f'{own:{self.form}}') / size:.7g}"
 
+    def text_for(self, reader: Reader) -> str:
+        """Return the numbers in the units of a reader."""
+        return self.rendered(reader.units, reader.framed)
+
     def __str__(self) -> str:
         return self.rendered()
 
@@ -77,6 +82,10 @@ class Term:
     python: str
     file: str
 
+    def text_for(self, reader: Reader) -> str:
+        """Return the name that a reader uses."""
+        return self.file if reader.files else self.python
+
     def __str__(self) -> str:
         return self.python
 
@@ -99,7 +108,15 @@ class Reader:
 PYTHON = Reader()
 """Users of the Python library, who state and read everything in SI."""
 
-Part = str | Quantity | Term
+
+class Rendered(Protocol):
+    """A value in a text that readers see differently: a quantity, a term, a finding."""
+
+    def text_for(self, reader: Reader) -> str:
+        """Return its text for a reader; `str` of it is that for `PYTHON`."""
+
+
+Part = str | Rendered
 
 
 class Text(str):
@@ -109,7 +126,7 @@ class Text(str):
     Python users; compose texts by `text` and `join` to keep the parts.
 
     Attributes:
-        parts: Plain text, quantities and terms, in order.
+        parts: Plain text, and quantities, terms and other values with a `text_for`, in order.
     """
 
     parts: tuple[Part, ...]
@@ -164,17 +181,13 @@ def sizes(texts: Iterable[str]) -> list[float]:
 
 
 def _rendered(part: Part, reader: Reader) -> str:
-    if isinstance(part, Quantity):
-        return part.rendered(reader.units, reader.framed)
-    if isinstance(part, Term):
-        return part.file if reader.files else part.python
-    return part
+    return part if isinstance(part, str) else part.text_for(reader)
 
 
 def _parts(value: object) -> tuple[Part, ...]:
     if isinstance(value, Text):
         return value.parts
-    return (value,) if isinstance(value, Quantity | Term) else (str(value),)
+    return (value,) if hasattr(value, "text_for") else (str(value),)
 
 
 def _merged(parts: Iterable[Part]) -> Iterator[Part]:

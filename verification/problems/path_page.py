@@ -12,7 +12,6 @@ import lacore as la
 from lacore import views
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import path_script, script
-from lacore.files.problem.wording import in_words_of_files
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted
@@ -46,7 +45,7 @@ def lines(stated: Stated, found: Followed) -> dict[str, str]:
     """Return the lines that describe a path, by name."""
     path, units = found.path, stated.units
     rows = path.history
-    told = {"path": f"{_reached(path, units)}, {_in_words(path.message, units)}"}
+    told = {"path": f"{_reached(path, units)}, {render(path.message, Reader(units, files=True))}"}
     if len(rows):
         loads, gap, overlap = (rows[own].to_numpy() for own in ("load_factor", "gap", "overlap"))
         name, size, label = "load factor", 1.0, ""
@@ -89,10 +88,6 @@ def _reached(path: la.Path, units: Units) -> str:
     travel = path.snapshots[-1].travel
     far = units.told(travel, "m") if path.unit == "m" else f"{travel:.4g} {path.unit}"
     return f"{counted(len(path.history), 'step')} to a travel of {far}"
-
-
-def _in_words(message: str, units: Units) -> str:
-    return units.rewritten(in_words_of_files(message))
 
 
 def history_in(stated: Stated, path: la.Path) -> tuple[pd.DataFrame, dict[str, str]]:
@@ -211,7 +206,7 @@ def document(stated: Stated, found: Followed, page: Path | None) -> dict[str, An
         "title": stated.title,
         "file": str(stated.source.file),
         "status": path.status.label,
-        "message": _in_words(path.message, units),
+        "message": render(path.message, Reader(units, files=True)),
         "history": table.to_dict("records"),
         "events": path.events.to_dict("records"),
         "certificate": None if certificate is None else asdict(certificate),
