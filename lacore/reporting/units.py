@@ -1,6 +1,5 @@
 """Sizes told in one choice of units: Pa or kPa, m or mm, the same all over a page or a picture."""
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import floor, isfinite, log10
@@ -15,12 +14,6 @@ STRESSES = {
 }
 _METRIC = {"N": "Pa", "kN": "kPa", "MN": "MPa"}
 _CUSTOMARY = {"lbf": ("psf", "psi"), "kip": ("ksf", "ksi")}
-_NUMBER = r"[+-]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)"
-_PAIR = rf"\((?:{_NUMBER}|varies), (?:{_NUMBER}|varies)\)"
-_AMOUNT = re.compile(
-    rf"(?P<numbers>{_PAIR} to {_PAIR}|{_PAIR}|(?<![\w.]){_NUMBER} to {_NUMBER}|(?<![\w.]){_NUMBER})"
-    r" (?P<unit>Pa/m|Pa|N/m\^3|N/m per m|N/m|N m|N|m)(?![\w^/])"
-)
 _OF_FRAMES = {"N/m": "N", "N": "N m", "N/m per m": "N/m"}
 
 
@@ -71,21 +64,6 @@ class Units:
         """``(0.52, -1.2) m``."""
         size = self.size("m")
         return f"({x / size:.3g}, {y / size:.3g}) {self.length}"
-
-    def rewritten(self, text: str, framed: bool = False) -> str:
-        """A text of lacore in these units: ``(0, -100) kN`` of ``(0, -100000) N``, up to 7 digits.
-
-        Args:
-            text: that says sizes in SI, as descriptions of loads and of strengths do.
-            framed: whether they are of a frame.
-        """
-
-        def own(match: re.Match[str]) -> str:
-            label, size = self._told(match["unit"], framed)
-            numbers = re.sub(_NUMBER, lambda one: f"{float(one[0]) / size:.7g}", match["numbers"])
-            return f"{numbers} {label}"
-
-        return _AMOUNT.sub(own, text)
 
     def _told(self, unit: str, framed: bool) -> tuple[str, float]:
         """The label and the size of a unit of SI."""

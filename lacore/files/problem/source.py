@@ -6,13 +6,14 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path as File
 from typing import Any
 
 from lacore.errors import InputError
 from lacore.files.contents import contents
 from lacore.files.problem.places import Path, lines
-from lacore.files.problem.wording import value_of_files
+from lacore.files.problem.statements import plain
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 
@@ -73,7 +74,7 @@ class Source:
         there, own = self._nearest(path)
         if own is not None and not isinstance(own, dict | list):
             value = own
-        shown = value_of_files(render(value, reader) if isinstance(value, str) else value)
+        shown = _shown(render(value, reader) if isinstance(value, str) else value)
         field = written(there if there else path[:1])
         return InputError(
             f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
@@ -125,3 +126,15 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
     why = _TWICE.sub("a key is given twice", why)
     said = f"is not valid TOML: {why[:1].lower()}{why[1:]}"
     return InputError(f"{shown}:{line}: line", value, said, fix)
+
+
+def _shown(value: Any) -> Any:
+    """Return a value as files write it, and None for a value that no file contains."""
+    if isinstance(value, str | bool | None):
+        return value
+    if isinstance(value, Real):
+        return plain(value)
+    if isinstance(value, list | tuple):
+        inner = [_shown(own) for own in value]
+        return None if None in inner else inner
+    return None
