@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from lacore.contact.profiles import Arcs, InnerCorner, Lines, Profile, corner, n
 from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_positive
 from lacore.showing import Compact
 
-__all__ = ["Disc", "Outline", "Wedge", "disc", "outline", "plane", "wedge"]
+__all__ = ["Disc", "Outline", "Wedge", "disc", "outline", "plane", "read_outline", "wedge"]
 
 _FINE = np.radians(5.0)  # of an arc, as it is drawn
 _FITS = 1e-12  # of an edge: round-off of what roundings take of it
@@ -313,6 +314,39 @@ def outline(points: Sequence[Point], rounding: float | Sequence[float] = 0.0) ->
     )
     _require_fitting(found)
     return found
+
+
+def read_outline(
+    path: str | PathLike[str],
+    layer: str | None = None,
+    unit: str | None = None,
+    sagitta: float | None = None,
+    rounding: float | Sequence[float] = 0.0,
+) -> Outline:
+    """Return the polygon that a drawing shows, as `lacore.masonry.read` reads it.
+
+    Args:
+        path: of a .dxf or .geojson file with one closed outline, or lines that enclose one area.
+        layer: of the outline; None: the only layer of the drawing.
+        unit: of the drawing: "m", "dm", "cm", "mm", "km", "in", "ft" or "yd", whatever the file
+            says; None: the unit that a DXF file says.
+        sagitta: m: curves become chords that are off them by this much; None: they are rejected.
+        rounding: see `outline`.
+
+    Raises:
+        InputError: a file that cannot be read, no unit, not one outline; see `outline`.
+
+    Example:
+        >>> import json
+        >>> corners = [[0, 0], [40, 0], [40, 20], [0, 20], [0, 0]]
+        >>> with open("punch.geojson", "w") as file:
+        ...     json.dump({"type": "Polygon", "coordinates": [corners]}, file)
+        >>> la.shapes.read_outline("punch.geojson", unit="mm").reference
+        (0.02, 0.01)
+    """
+    from lacore.bodies.blocks.drawings.reading import read_outline  # here: it reads many formats
+
+    return outline(read_outline(path, layer, unit, sagitta).tolist(), rounding)
 
 
 def _require_fitting(own: Outline) -> None:

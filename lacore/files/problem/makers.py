@@ -112,6 +112,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.shapes.disc": shapes.disc,
     "la.shapes.plane": shapes.plane,
     "la.shapes.outline": shapes.outline,
+    "la.shapes.read_outline": shapes.read_outline,
     "la.sequential": sequential,
 }
 NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}

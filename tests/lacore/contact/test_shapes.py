@@ -1,10 +1,14 @@
 """Shapes of tools: their distances are those of shapely, their normals the slopes of these."""
 
+import json
+
+import ezdxf
 import numpy as np
 import pytest
 import shapely
 
 import lacore as la
+from lacore.errors import InputError
 from lacore.paths.tools.carrier import moved_shape
 
 LETTER = [(-1, -1), (1.5, -1), (1.5, 0), (0, 0), (0, 2), (-1, 1.5)]
@@ -53,3 +57,57 @@ def test_the_tip_of_a_wedge_faces_along_its_axis():
     places = np.array([[0.0, 0.0], [0.0, -1.0]])
     assert wedge.normal(places) == pytest.approx(np.array([[0.0, 0.0], [-1.0, -1.0]]))
     assert wedge.distance(places) == pytest.approx([0.0, 1.0])
+
+
+def drawn(folder, *rings, layer="die"):
+    """A GeoJSON file of polygons."""
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"layer": layer},
+            "geometry": {"type": "Polygon", "coordinates": [[*ring, ring[0]]]},
+        }
+        for ring in rings
+    ]
+    file = folder / "die.geojson"
+    file.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return file
+
+
+SQUARE = [[0, 0], [20, 0], [20, 10], [0, 10]]
+
+
+def test_an_outline_is_read_from_geojson(tmp_path):
+    read = la.shapes.read_outline(drawn(tmp_path, SQUARE), unit="mm", rounding=0.002)
+    stated = la.shapes.outline([(0, 0), (0.02, 0), (0.02, 0.01), (0, 0.01)], rounding=0.002)
+    places = np.random.default_rng(0).uniform(-0.01, 0.03, (2, 200))
+    assert read.distance(places) == pytest.approx(stated.distance(places), abs=1e-12)
+
+
+def test_arcs_of_a_drawing_become_chords(tmp_path):
+    """Of a DXF in its own unit: half a disc that a bulge closes."""
+    drawing = ezdxf.new(units=4)  # mm
+    half = [(-10, 0, 0, 0, 0), (10, 0, 0, 0, 1)]
+    drawing.modelspace().add_lwpolyline(half, close=True)
+    drawing.saveas(tmp_path / "punch.dxf")
+    read = la.shapes.read_outline(tmp_path / "punch.dxf", sagitta=1e-5)
+    angle = np.linspace(0.1, 3.0, 50)
+    arc = 0.01 * np.stack([np.cos(angle), np.sin(angle)])
+    assert np.abs(read.distance(arc)).max() < 1.1e-5
+    with pytest.raises(InputError, match="a curve, where blocks have straight edges"):
+        la.shapes.read_outline(tmp_path / "punch.dxf")
+
+
+@pytest.mark.parametrize(
+    ("rings", "given", "said"),
+    [
+        ([SQUARE], {}, "unit: .*says no unit"),
+        ([SQUARE], {"unit": "mm", "layer": "dye"}, "layer = 'dye': .*'die'"),
+        ([SQUARE], {"unit": "ell"}, "unit = 'ell': no unit of drawings"),
+        ([SQUARE, [[30, 0], [40, 0], [40, 9]]], {"unit": "m"}, "2 closed outlines in this layer"),
+        ([], {"unit": "m"}, "the drawing has 0 layers"),
+    ],
+)
+def test_drawings_that_are_no_outline(tmp_path, rings, given, said):
+    with pytest.raises(InputError, match=said):
+        la.shapes.read_outline(drawn(tmp_path, *rings), **given)

@@ -281,6 +281,29 @@ def test_tools_are_those_of_python(punched):
     assert {own.sides for own in tools.values()} == {(("bar", "right"),)}
 
 
+def test_the_outline_of_a_tool_is_read_from_a_drawing(punched, tmp_path):
+    corners = [[20, -5], [30, -5], [30, 30], [20, 30], [20, -5]]
+    (tmp_path / "punch.geojson").write_text(
+        json.dumps({"type": "Polygon", "coordinates": [corners]}), encoding="utf-8"
+    )
+    stated = read(punched())
+    points = TOOL[TOOL.index("points") : TOOL.index("touches")]
+    drawing = 'outline = { file = "punch.geojson", unit = "mm" }\nrounding = "1 mm"\n'
+    drawn = read(punched((points, drawing))).path["tools"]["punch"]
+    shape = stated.path["tools"]["punch"].shape
+    assert [*sum(sorted(drawn.shape.points), ())] == pytest.approx([*sum(sorted(shape.points), ())])
+    assert drawn.shape.radii == pytest.approx([0.001] * 4)
+    for more, said in (
+        ("outline = { file = 'no.dxf' }\n", "17: tools.punch.outline.file = .*no such file"),
+        ("outline = { file = 'punch.geojson' }\n", "17: tools.punch.outline: .*no unit"),
+        ("", "15: tools.punch: missing; add points, or outline"),
+        (points + drawing, "18: tools.punch.outline: the points are given, too"),
+    ):
+        result = lacore("solve", punched((points, more)), "--out", tmp_path / "out")
+        assert result.exit_code == 2, result.output
+        assert re.search(rf"punched.toml:{said}", result.stderr), result.stderr
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

@@ -1,4 +1,4 @@
-"""Blocks from a drawing: the public function."""
+"""Blocks and outlines from a drawing."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.bodies.blocks.drawings.compas import read_compas
 from lacore.bodies.blocks.drawings.drawn import DrawnBlocks, Layer
 from lacore.bodies.blocks.drawings.dxf import read_dxf
@@ -17,7 +18,7 @@ from lacore.bodies.blocks.drawings.geojson import read_geojson
 from lacore.bodies.blocks.drawings.joints import LayerFriction, assembled
 from lacore.bodies.blocks.drawings.outlines import outlines
 from lacore.bodies.blocks.drawings.strokes import Drawing, Stroke, metres
-from lacore.errors import InputError, require_positive, suggest_all, typed
+from lacore.errors import InputError, require_known, require_positive, suggest_all, typed
 
 SNAP = 1e-5  # of the size of the drawing: a tenth of a millimetre on ten metres
 _RESERVED = str.maketrans(
@@ -74,21 +75,9 @@ def read(
     for name, value in (("snap", snap), ("sagitta", sagitta)):
         if value is not None:
             require_positive(name, value)
-    wanted = {*layers, *openings}
-    drawing = _drawing(shown, wanted, unit, sagitta)
-    for layer in (*layers, *openings):
-        if layer not in drawing.layers:
-            fix = suggest_all(layer, sorted(drawing.layers))
-            raise InputError("layers", layer, f"{shown!r} has no such layer, or nothing in it", fix)
-    unit, length = metres(shown, drawing.unit, unit)
-    strokes = [
-        Stroke(own.layer, own.handle, own.points * length, own.closed)
-        for own in drawing.strokes
-        if len(own.points) > 1
-    ]
-    empty = [layer for layer in (*layers, *openings) if layer not in {own.layer for own in strokes}]
-    if empty:
-        raise InputError("layers", empty[0], f"a layer without lines in {shown!r}", "leave it out")
+    wanted = (*layers, *openings)
+    drawing = _drawing(shown, {*wanted}, unit, sagitta)
+    strokes, unit = _strokes(shown, drawing, wanted, unit)
     if snap is None:
         snap = SNAP * _size(strokes)
         require_positive("snap", snap)
@@ -107,8 +96,58 @@ def read(
         snap=snap,
         moved=found.moved,
         skipped=drawing.skipped,
-        ignored=tuple(sorted(set(drawing.layers) - wanted)),
+        ignored=tuple(sorted(set(drawing.layers).difference(wanted))),
     )
+
+
+def read_outline(
+    path: str | PathLike[str], layer: str | None, unit: str | None, sagitta: float | None
+) -> Floats:
+    """Corners of the one closed outline in a layer of a drawing, m, shape (k, 2), see `read`.
+
+    Args:
+        path, unit, sagitta: see `read`.
+        layer: None: the only one of the drawing.
+
+    Raises:
+        InputError: see `read`; no or several layers or outlines.
+    """
+    shown = fspath(path)
+    if sagitta is not None:
+        require_positive("sagitta", sagitta)
+    layers = sorted(_drawing(shown, set(), unit, sagitta).layers)
+    if layer is None and len(layers) != 1:
+        why = f"the drawing has {len(layers)} layers"
+        raise InputError("layer", None, why, f"name one of {layers}" if layers else "draw one")
+    layer = layers[0] if layer is None else layer
+    require_known("layer", layer, layers)
+    drawing = _drawing(shown, {layer}, unit, sagitta)
+    strokes, _ = _strokes(shown, drawing, (layer,), unit)
+    found = outlines(shown, strokes, set(), SNAP * _size(strokes))
+    if len(found.rings) != 1:
+        why = f"{shown!r} has {len(found.rings)} closed outlines in this layer"
+        raise InputError("layer", layer, why, "give the layer of a single outline")
+    return np.asarray(found.place[:, found.rings[0].vertices].T)
+
+
+def _strokes(
+    path: str, drawing: Drawing, layers: Sequence[str], unit: str | None
+) -> tuple[list[Stroke], str]:
+    """Lines in m of layers that have some, and the unit of the drawing."""
+    for layer in layers:
+        if layer not in drawing.layers:
+            fix = suggest_all(layer, sorted(drawing.layers))
+            raise InputError("layers", layer, f"{path!r} has no such layer, or nothing in it", fix)
+    unit, length = metres(path, drawing.unit, unit)
+    strokes = [
+        Stroke(own.layer, own.handle, own.points * length, own.closed)
+        for own in drawing.strokes
+        if len(own.points) > 1
+    ]
+    empty = [layer for layer in layers if layer not in {own.layer for own in strokes}]
+    if empty:
+        raise InputError("layers", empty[0], f"a layer without lines in {path!r}", "leave it out")
+    return strokes, unit
 
 
 def _require_layers(layers: Mapping[str, Layer], openings: Sequence[str]) -> None:

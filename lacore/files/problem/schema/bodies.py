@@ -15,6 +15,7 @@ from lacore.files.problem.schema.places import Part, Place
 from lacore.files.problem.schema.sections import Section, section
 from lacore.files.problem.schema.values import (
     Count,
+    DrawingUnit,
     Length,
     MassDensity,
     Moment,
@@ -111,7 +112,7 @@ class Drawing(Entry):
     file: NamedFile
     layers: dict[str, Layer]
     """Of the drawing by name; others are ignored."""
-    unit: Literal["m", "dm", "cm", "mm", "km", "in", "ft", "yd"] | None = None
+    unit: DrawingUnit | None = None
     """Of the drawing, whatever it says."""
     snap: Length | None = None
     """Vertices nearer than this are one; 1e-5 of the size of the drawing if left out."""

@@ -1,16 +1,27 @@
 """Rigid tools of an exact shape, `[tools.NAME]`."""
 
+from dataclasses import replace
 from math import radians
+from pathlib import Path as File
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.conditions import Side
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.materials import Friction
-from lacore.files.problem.schema.values import Angle, AngleSlope, Length, Number, Point
+from lacore.files.problem.schema.meshes import NamedFile
+from lacore.files.problem.schema.values import (
+    Angle,
+    AngleSlope,
+    DrawingUnit,
+    Length,
+    Number,
+    Point,
+    refused,
+)
 
 
 def _several(given: Any) -> str:
@@ -44,8 +55,11 @@ class _Tool(Entry):
         own = {name: given.pop(name) for name in self.shaped if name in given}
         if "turn" in given:
             given["turn"] = radians(given["turn"])
-        made = Call(f"la.shapes.{self.shape}", own, at, {self.shape: at})
-        return Call(self.maker, {"shape": made, **given}, at)
+        return Call(self.maker, {"shape": self._shape(own, at), **given}, at)
+
+    def _shape(self, given: dict[str, Any], at: Path) -> Call:
+        """What makes the shape from its keys."""
+        return Call(f"la.shapes.{self.shape}", given, at, {self.shape: at})
 
 
 class WedgeTool(_Tool):
@@ -85,13 +99,35 @@ def _radii(given: Any) -> str:
     return "~each" if isinstance(given, list | tuple) else "~all"
 
 
+class DrawnOutline(Entry):
+    """A closed outline in a DXF or GeoJSON file."""
+
+    maker: ClassVar[str] = "la.shapes.read_outline"
+    file: NamedFile
+    layer: str | None = None
+    """Of the outline; the only layer of the drawing if left out."""
+    unit: DrawingUnit | None = None
+    """Of the drawing, whatever it says."""
+    sagitta: Length | None = None
+    """Chords may be off curves by this; curves are refused if left out."""
+
+    def call(self, at: Path) -> Call:
+        """See `Entry.call`."""
+        given = self.arguments(at)
+        arguments = {"path": File(given.pop("file")), **given}
+        return Call(self.maker, arguments, at, {"path": (*at, "file")})
+
+
 class OutlineTool(_Tool):
     """A polygon, whose corners may be rounded."""
 
     shape: ClassVar[str] = "outline"
-    shaped: ClassVar[tuple[str, ...]] = ("points", "rounding")
+    shaped: ClassVar[tuple[str, ...]] = ("points", "outline", "rounding")
     tool: Literal["outline"]
-    points: tuple[Point, ...]
+    points: tuple[Point, ...] | None = None
+    """Its corners; alternatively give `outline`."""
+    outline: DrawnOutline | None = None
+    """A file with its corners."""
     rounding: (
         Annotated[
             Annotated[Length, Tag("~all")] | Annotated[tuple[Length, ...], Tag("~each")],
@@ -100,6 +136,22 @@ class OutlineTool(_Tool):
         | None
     ) = None
     """Radius of all corners, or one radius per corner; 0 (sharp) if left out."""
+
+    @model_validator(mode="after")
+    def _one(self) -> "OutlineTool":
+        if self.points is None and self.outline is None:
+            raise refused("missing", "add points, or outline = { file = ... }", "points")
+        if self.points is not None and self.outline is not None:
+            raise refused("the points are given, too", "leave one of the two out", "outline")
+        return self
+
+    def _shape(self, given: dict[str, Any], at: Path) -> Call:
+        """See `_Tool`."""
+        drawn = given.pop("outline", None)
+        if drawn is None:
+            return super()._shape(given, at)
+        places = drawn.places | {"rounding": (*at, "rounding")}
+        return replace(drawn, arguments={**drawn.arguments, **given}, places=places)
 
 
 Tool = Annotated[WedgeTool | DiscTool | PlaneTool | OutlineTool, Field(discriminator="tool")]

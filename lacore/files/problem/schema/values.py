@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, isinf, pi
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -141,4 +141,5 @@ Strut = Annotated[float, Measure("N", endless=True)]
 Moment = Annotated[float, Measure("N m")]
 Count = Annotated[int, Whole()]
 Point = tuple[Length, Length]
+DrawingUnit = Literal["m", "dm", "cm", "mm", "km", "in", "ft", "yd"]
 Interval = tuple[Length, Length]
