@@ -147,7 +147,7 @@ class OutlineTool(_Tool):
 
     def _shape(self, given: dict[str, Any], at: Path) -> Call:
         """See `_Tool`."""
-        drawn = given.pop("outline", None)
+        drawn: Call | None = given.pop("outline", None)
         if drawn is None:
             return super()._shape(given, at)
         places = drawn.places | {"rounding": (*at, "rounding")}
