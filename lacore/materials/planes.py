@@ -48,34 +48,9 @@ def planes_form(
     cut = tension is not None or crushing is not None
     if shear is not None and not np.any(slope) and not cut and kinematics == "plane_strain":
         return VonMises(shear_strength=shear).conic_form(kinematics)  # type: ignore[arg-type]  # no array: of angles of elements there is none of 0
-    planes: list[Surface] = []
     around = kinematics == "axisymmetric"
-
-    def own(pressure: Slope, third: Slope) -> tuple[Slope, ...]:
-        # Stresses (P, t - P) of (theta, eps_tt): without friction no plane feels the first (T40).
-        return (pressure + third, third) if around else (pressure,)
-
-    def add(pressure: Slope, strength: Strengths, third: Slope = 0.0, normed: bool = True) -> None:
-        planes.append(Surface(own(pressure, third), strength, normed))
-
-    def rub(strength: Strengths, slopes: Callable[[Slope], tuple[Slope, Slope]]) -> None:
-        flow = None if dilation is None else own(*slopes(dilation))
-        planes.append(Surface(own(*slopes(slope)), strength, flow=flow))
-
-    if shear is not None:
-        rub(shear, lambda sine: (sine, 0.0))
-        below, above = 2 * shear / (1 + slope), 2 * shear / (1 - slope)
-        if around:
-            rub(below, lambda sine: (1.0, -(1 - sine) / (1 + sine)))
-            rub(above, lambda sine: (-1.0, (1 + sine) / (1 - sine)))
-        elif kinematics == "plane_stress":
-            add(1.0, below)
-            add(-1.0, above)
-    for limit, sign in ((tension, 1.0), (crushing, -1.0)):
-        if limit is not None:
-            add(sign, limit)
-            if around:
-                add(0.0, limit, sign, normed=False)
+    friction = [] if shear is None else _friction_planes(kinematics, shear, slope, dilation)
+    surfaces = (*friction, *_limit_planes(around, tension, crushing))
     rows, volumes = np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]), np.array([[1.0, 1.0, 0.0]])
     if around:
         rows = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
@@ -86,9 +61,54 @@ def planes_form(
         volumetric=volumes,
         bound=_least(limits),
         volumetric_factor=0.0,
-        surfaces=tuple(planes),
+        surfaces=surfaces,
         out_of_plane=0.0 if kinematics == "plane_stress" else 1.0,
     )
+
+
+def _slopes(around: bool, pressure: Slope, third: Slope) -> tuple[Slope, ...]:
+    """Slopes of a surface along (P, t - P) in axial symmetry, else along P.
+
+    These are the stresses of (theta, eps_tt): without friction no plane feels the first (T40).
+    """
+    return (pressure + third, third) if around else (pressure,)
+
+
+def _friction_planes(
+    kinematics: str, shear: Strengths, slope: Slope, dilation: Slope | None
+) -> list[Surface]:
+    """Planes of friction between each pair of principal stresses, see `planes_form`."""
+    around = kinematics == "axisymmetric"
+
+    def plane(strength: Strengths, slopes: Callable[[Slope], tuple[Slope, Slope]]) -> Surface:
+        flow = None if dilation is None else _slopes(around, *slopes(dilation))
+        return Surface(_slopes(around, *slopes(slope)), strength, flow=flow)
+
+    in_plane = plane(shear, lambda sine: (sine, 0.0))
+    below, above = 2 * shear / (1 + slope), 2 * shear / (1 - slope)
+    if around:
+        return [
+            in_plane,
+            plane(below, lambda sine: (1.0, -(1 - sine) / (1 + sine))),
+            plane(above, lambda sine: (-1.0, (1 + sine) / (1 - sine))),
+        ]
+    if kinematics == "plane_stress":
+        return [in_plane, Surface((1.0,), below), Surface((-1.0,), above)]
+    return [in_plane]
+
+
+def _limit_planes(
+    around: bool, tension: Strength | None, crushing: Strength | None
+) -> list[Surface]:
+    """Planes that limit the principal stresses in tension and in compression."""
+    surfaces: list[Surface] = []
+    for limit, sign in ((tension, 1.0), (crushing, -1.0)):
+        if limit is None:
+            continue
+        surfaces.append(Surface(_slopes(around, sign, 0.0), limit))
+        if around:
+            surfaces.append(Surface(_slopes(around, 0.0, sign), limit, normed=False))
+    return surfaces
 
 
 def _least(limits: list[Strengths]) -> Strengths:

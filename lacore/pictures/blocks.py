@@ -7,6 +7,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from lacore.arrays import Bools, Floats
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.limit.state import LimitState
 from lacore.pictures.continua import BEFORE
 
@@ -16,10 +17,10 @@ _AT_REST = 1e-3  # of the largest velocity
 _MANY = 150  # blocks, that thin lines keep apart
 
 
-def held_blocks(state: LimitState, dofs: RigidDofs[BlockAssembly]) -> Bools:
+def held_blocks(state: LimitState, dofs: RigidDofs[RigidBlocks]) -> Bools:
     """Which blocks supports leave no velocity, shape (blocks,)."""
-    basis = state.discretisation.free_basis[dofs.offset : dofs.offset + dofs.count]
-    largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 3)
+    basis = state.discretisation.free_basis[dofs.offset : dofs.offset + dofs.of_blocks]
+    largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, dofs.per_block)
     return np.asarray(~np.any(largest > 0, axis=1))
 
 

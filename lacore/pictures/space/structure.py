@@ -12,6 +12,7 @@ from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.hulls import hull_corners
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.limit.state import LimitState
+from lacore.pictures.blocks import held_blocks
 from lacore.showing import Compact
 
 _TINY = np.finfo(float).tiny
@@ -171,11 +172,7 @@ def motion_of(state: LimitState) -> Motion:
     """What the mechanism of a state does to blocks in space."""
     d = state.discretisation
     rate = np.concatenate([state.velocity[name] for name in d.solids], axis=1)
-    held = []
-    for dofs in d.solids.values():
-        basis = d.free_basis[dofs.offset : dofs.offset + dofs.of_blocks]
-        largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 6)
-        held.append(~np.any(largest > 0, axis=1))
+    held = [held_blocks(state, dofs) for dofs in d.solids.values()]
     blocks = blocks_of((name, dofs.body) for name, dofs in d.solids.items())
     return Motion(blocks, rate, np.concatenate(held))
 
