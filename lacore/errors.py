@@ -15,7 +15,7 @@ from warnings import warn
 
 import numpy as np
 
-from lacore.reporting.text import text
+from lacore.reporting.text import join, text
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
@@ -55,6 +55,11 @@ class InputError(LacoreError, ValueError):
         super().__init__(str(self.text))
 
     @property
+    def errors(self) -> tuple[InputError, ...]:
+        """The errors that were found together; this one alone, if there is no other."""
+        return (self,)
+
+    @property
     def text(self) -> str:
         """The message, with its quantities and names as values."""
         shown = "" if self.value is None else f" = {_short(self.value)}"
@@ -69,6 +74,32 @@ class InputError(LacoreError, ValueError):
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments: the message alone would not build it again."""
         return type(self), (self.field, self.value, self.reason, self.fix)
+
+
+class MultipleInputError(InputError):
+    """Several errors of one problem file; the message has a line for each of them.
+
+    Field, value, reason and fix are those of the first error.
+    """
+
+    def __init__(self, *errors: InputError) -> None:
+        self._errors = errors
+        first = errors[0]
+        super().__init__(first.field, first.value, first.reason, first.fix)
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """Pickle by the errors."""
+        return type(self), self._errors
+
+    @property
+    def errors(self) -> tuple[InputError, ...]:
+        """The errors, in the order of the file."""
+        return self._errors
+
+    @property
+    def text(self) -> str:
+        """The messages, each on its line."""
+        return join("\n", [own.text for own in self._errors])
 
 
 def install_command(extra: str) -> str:

@@ -5,7 +5,7 @@ are called, with numbers, texts and each other as arguments.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
@@ -100,26 +100,63 @@ class Program:
         """What the call makes, and the things.
 
         Raises:
-            MisfitError: lacore refuses one of them, or bodies lie in each other.
+            MisfitError: lacore refuses some of them, or bodies overlap.
         """
-        things: dict[Key, Any] = {}
+        making = _Making()
         for key, node in self.things.items():
-            things[key] = made(node, things)
-        bodies = made(self.call.arguments["bodies"], things)
+            making.add(key, node)
+        arguments = {name: making.parts(node) for name, node in self.call.arguments.items()}
+        if making.wrong:
+            raise MisfitError(*making.wrong)
         try:
-            require_apart(bodies)
+            require_apart(arguments["bodies"])
         except InputError as error:
-            raise MisfitError(error, parts(error.field)) from error
-        whole = replace(self.call, arguments={**self.call.arguments, "bodies": bodies})
-        return made(whole, things), things
+            raise MisfitError((error, parts(error.field))) from error
+        return _called(self.call, arguments, making.things), making.things
+
+
+@dataclass
+class _Making:
+    """What is made of a file; what lacore refuses is kept, and all that does not need it is made.
+
+    Attributes:
+        things: what was made, by key.
+        wrong: errors, each with its place in the file.
+    """
+
+    things: dict[Key, Any] = field(default_factory=dict)
+    wrong: list[tuple[InputError, Path]] = field(default_factory=list)
+
+    def add(self, key: Key, node: Any) -> None:
+        """Make a thing that others may need."""
+        for own in self._made(node):
+            self.things[key] = own
+
+    def parts(self, node: Any) -> Any:
+        """Make an argument of the whole, its entries one by one."""
+        match node:
+            case dict():
+                return {name: own for name, entry in node.items() for own in self._made(entry)}
+            case list():
+                return [own for entry in node for some in self._made([entry]) for own in some]
+        return next(self._made(node), None)
+
+    def _made(self, node: Any) -> Iterator[Any]:
+        """Yield what a node makes: nothing where it, or what it needs, is wrong."""
+        if any(own.thing not in self.things for own in owned(node)):
+            return
+        try:
+            yield made(node, self.things)
+        except MisfitError as misfit:
+            self.wrong += misfit.found
 
 
 class MisfitError(Exception):
-    """What lacore refuses of a file: the error, and the place in the file that it is about."""
+    """What lacore refuses of a file: errors, each with the place in the file that it is about."""
 
-    def __init__(self, error: InputError, at: Path) -> None:
-        self.error, self.at = error, at
-        super().__init__(str(error))
+    def __init__(self, *found: tuple[InputError, Path]) -> None:
+        self.found = found
+        super().__init__("; ".join(str(error) for error, _ in found))
 
 
 def made(node: Any, things: Mapping[Key, Any] = {}) -> Any:
@@ -135,10 +172,7 @@ def made(node: Any, things: Mapping[Key, Any] = {}) -> Any:
     match node:
         case Call():
             arguments = {name: made(own, things) for name, own in node.arguments.items()}
-            try:
-                return _noted(MAKERS[node.maker](**arguments), node)
-            except InputError as error:
-                raise MisfitError(error, _place(node, error.field, things)) from error
+            return _called(node, arguments, things)
         case Name():
             return NAMES[node.name]
         case Own():
@@ -148,6 +182,13 @@ def made(node: Any, things: Mapping[Key, Any] = {}) -> Any:
         case dict():
             return {name: made(own, things) for name, own in node.items()}
     return node
+
+
+def _called(call: Call, arguments: Mapping[str, Any], things: Mapping[Key, Any]) -> Any:
+    try:
+        return _noted(MAKERS[call.maker](**arguments), call)
+    except InputError as error:
+        raise MisfitError((error, _place(call, error.field, things))) from error
 
 
 def _entries(nodes: Sequence[Any], things: Mapping[Key, Any]) -> Iterator[Any]:
@@ -167,7 +208,8 @@ def _own(node: Own, things: Mapping[Key, Any]) -> Any:
         return found(**made(dict(node.arguments), things))
     except InputError as error:
         named = error.field in node.arguments and error.field != node.at[-1]
-        raise MisfitError(error, (*node.entry, error.field) if named else node.at) from error
+        at = (*node.entry, error.field) if named else node.at
+        raise MisfitError((error, at)) from error
 
 
 def owned(node: Any) -> Iterator[Own]:

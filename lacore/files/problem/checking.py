@@ -12,7 +12,6 @@ from lacore.files.problem.schema.meshes import FOLDER
 from lacore.files.problem.schema.values import AMOUNTS, FORCES
 from lacore.files.problem.source import Source, has
 from lacore.files.problem.units import Amount
-from lacore.showing import counted
 
 TAGS = ("kind", "shape", "criterion", "law", "load", "measure", "tool")
 """Keys whose values tell the kinds of tables."""
@@ -37,7 +36,7 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
     """What a file says, and all numbers in it.
 
     Raises:
-        InputError: the first thing in it that no problem file says.
+        InputError: whatever in it no problem file says.
     """
     amounts: list[Amount] = []
     context = {FOLDER: source.file.parent, FORCES: _whole(source.data), AMOUNTS: amounts}
@@ -45,11 +44,7 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
         return ProblemFile.model_validate(source.data, context=context), amounts
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False)
-        told = [_told(source, one) for one in found]
-        first = min(told, key=lambda one: one[0])
-        more = f" ({counted(len(told) - 1, 'more error')} after it)" if len(told) > 1 else ""
-        wrong = first[1]
-        raise InputError(wrong.field, wrong.value, wrong.reason, wrong.fix + more) from None
+        raise source.errors([_told(source, one) for one in found]) from None
 
 
 def _whole(data: Mapping[str, Any]) -> frozenset[str]:
@@ -65,8 +60,8 @@ def _whole(data: Mapping[str, Any]) -> frozenset[str]:
     )
 
 
-def _told(source: Source, one: Any) -> tuple[int, InputError]:
-    """The line of an error, and the error."""
+def _told(source: Source, one: Any) -> tuple[Path, InputError]:
+    """The place of an error, and the error."""
     path, context = _path(source.data, one["loc"]), one.get("ctx", {})
     kind = one["type"]
     if kind == "refused":
@@ -87,8 +82,7 @@ def _told(source: Source, one: Any) -> tuple[int, InputError]:
     else:
         value = _at(source.data, path)
         why, fix = _SAID.get(kind, (str(one["msg"]), "see the examples of `lacore new`"))
-    error = source.error(path, value, why, fix)
-    return source.line(path), error
+    return path, source.error(path, value, why, fix)
 
 
 def _path(data: Any, loc: tuple[str | int, ...]) -> Path:

@@ -139,9 +139,12 @@ def stated_by(source: Source) -> Stated:
         if program.path is not None:
             path = made(dict(program.path.arguments), {**things, PROBLEM: problem})
     except MisfitError as misfit:
-        error = misfit.error
         units = chosen(amounts, [], asked)
-        raise source.error(misfit.at, error.value, error.reason, error.fix, units) from error
+        found = [
+            (at, source.error(at, error.value, error.reason, error.fix, units))
+            for error, at in misfit.found
+        ]
+        raise source.errors(found) from misfit
     title = stated.title or source.file.stem
     cases: dict[str, list[int]] = {}
     nodes = program.call.arguments.get("reference_loads", [])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path as File
 from typing import Any
 
-from lacore.errors import InputError
+from lacore.errors import InputError, MultipleInputError
 from lacore.files.contents import contents
 from lacore.files.problem.places import Path, lines
 from lacore.files.problem.statements import plain
@@ -82,6 +82,12 @@ class Source:
             render(reason, reader),
             render(fix, reader),
         )
+
+    def errors(self, found: Sequence[tuple[Path, InputError]]) -> InputError:
+        """Return errors of the values at some paths as one, in the order of the lines."""
+        ordered = sorted(found, key=lambda own: self.line(own[0]))
+        unlike = [*{str(error): error for _, error in ordered}.values()]
+        return unlike[0] if len(unlike) == 1 else MultipleInputError(*unlike)
 
     def line(self, path: Path) -> int:
         """Where a path, or the nearest thing around it that is there, is written."""

@@ -126,14 +126,18 @@ class ProblemFile(Entry):
 
     def _require(self, things: Mapping[Key, Any], nodes: Iterable[Any]) -> None:
         """Raise `MisfitError` where bodies have not what is said of them."""
+        wrong: list[tuple[InputError, Path]] = []
         for own in owned(nodes):
             if own.thing in things:
                 continue
             body = own.thing[0]
-            if body not in self.bodies:
+            if body in self.bodies:
+                wrong.append((InputError("body", None, *own.unless), own.at))
+            else:
                 error = InputError("body", body, "no such body", suggest(body, self.bodies))
-                raise MisfitError(error, (*own.entry, "body"))
-            raise MisfitError(InputError("body", None, *own.unless), own.at)
+                wrong.append((error, (*own.entry, "body")))
+        if wrong:
+            raise MisfitError(*wrong)
 
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""

@@ -72,3 +72,66 @@ def test_small_angles_are_meant_where_they_have_a_unit(tmp_path):
     again = la.read_problem(tmp_path / "again.toml")
     angles = [own.bodies["fill"].criterion.friction_angle for own in (problem, again)]
     assert angles == [0.52, 0.52]
+
+
+FRAME = """\
+[bodies.a]
+kind = "block"
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+[bodies.b]
+kind = "block"
+outline = [[2, 0], [3, 0], [3, 1], [2, 1]]
+[[supports]]
+body = "a"
+where = "block"
+[[interfaces]]
+slave = { body = "b", where = "block" }
+master = { body = "a", where = "block" }
+friction = 0.5
+[[reference_loads]]
+load = "point-force"
+body = "b"
+at = [2.5, 1]
+vector = [1, 0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "fields"),
+    [
+        (
+            {'kind = "block"\noutline = [[2': 'kind = "blok"\noutline = [[2', "0.5": '"2 x"'},
+            ["5: bodies.b.kind", "13: interfaces[0].friction"],
+        ),
+        (
+            {"[[0, 0], [1, 0]": "[[0, 0], [0, 0]", "0.5": "-0.5", "[1, 0]\n": "[nan, 0]\n"},
+            ["18: reference_loads[0].vector[0]"],
+        ),
+        (
+            {"[1, 1], [0, 1]": "[0, 1], [1, 1]", "0.5": "-0.5", 'body = "b"\nat': 'body = ""\nat'},
+            ["3: bodies.a.outline", "13: interfaces[0].friction"],
+        ),
+    ],
+)
+def test_all_errors_of_a_file_are_reported_at_once(changes, fields, tmp_path):
+    text = FRAME
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    file = tmp_path / "blocks.toml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(la.InputError) as caught:
+        la.read_problem(file)
+    errors = caught.value.errors
+    assert [own.field for own in errors] == [f"{file}:{field}" for field in fields]
+    assert str(caught.value).splitlines() == [str(own) for own in errors]
+
+
+def test_errors_of_a_file_are_in_its_units(tmp_path):
+    text = FRAME.replace("0.5", '{ mu = 0.5, adhesion = "1 kPa", tension = "4 kPa" }')
+    file = tmp_path / "blocks.toml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(la.InputError) as caught:
+        la.read_problem(file)
+    assert "adhesion/mu = 2 kPa" in caught.value.reason
+    assert caught.value.fix == "give at most 2 kPa, or a larger adhesion"
