@@ -9,7 +9,7 @@ import numpy as np
 
 from lacore.arrays import Bools, Ints, Sparse
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.dofs import RigidDofs, dofs_of_kind
 from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.dofs import BodyDofs
@@ -35,9 +35,8 @@ class Discretisation(Shown):
         free_basis: ``U = free_basis @ q``.
         held_nodes: which nodes a support or a footing acts on, shape (nodes of all continua,).
         continua: deformable bodies by name.
-        assemblies: rigid blocks by name.
+        blocks: assemblies of rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
-        solids: rigid blocks in space by name.
         jumps: velocity jumps of the regions of continua (T23), by name (of a region ``soil.clay``):
             of those whose space has them, and of those that slip along boundaries. Groups of the
             programs: the regions of the continua, these, the seams, the hinges of frames.
@@ -57,9 +56,8 @@ class Discretisation(Shown):
     free_basis: Sparse
     held_nodes: Bools
     continua: Mapping[str, BodyDofs]
-    assemblies: Mapping[str, RigidDofs[BlockAssembly]]
+    blocks: Mapping[str, RigidDofs[RigidBlocks]]
     frames: Mapping[str, FrameDofs]
-    solids: Mapping[str, RigidDofs[BlockAssembly3D]]
     jumps: Mapping[str, Jumps]
     slips: Mapping[str, Slip]
     seams: Mapping[str, Jumps]
@@ -84,14 +82,19 @@ class Discretisation(Shown):
         return "certified Coulomb state: not a bound, because others may exist"
 
     @property
-    def jointed(self) -> dict[str, RigidDofs[RigidBlocks]]:
-        """Rigid blocks, in the plane or in space."""
-        return {**self.assemblies, **self.solids}
+    def assemblies(self) -> dict[str, RigidDofs[BlockAssembly]]:
+        """Those of `blocks` that are in the plane."""
+        return dofs_of_kind(self.blocks, BlockAssembly)
+
+    @property
+    def solids(self) -> dict[str, RigidDofs[BlockAssembly3D]]:
+        """Those of `blocks` that are in space."""
+        return dofs_of_kind(self.blocks, BlockAssembly3D)
 
     @property
     def crushing(self) -> Ints:
         """Unknowns of points that crush, see `RigidDofs`; none of them touches two points."""
-        own = [dofs.crushing for dofs in self.solids.values()]
+        own = [dofs.crushing for dofs in self.blocks.values()]
         return np.concatenate([np.zeros(0, dtype=np.int64), *own])
 
     @property
@@ -125,5 +128,5 @@ class Discretisation(Shown):
     def n_elements(self) -> int:
         """Elements of meshes, rigid blocks and rigid pieces of members."""
         elements = sum(dofs.body.mesh.nelements for dofs in self.continua.values())
-        blocks = sum(len(dofs.body.names) for dofs in self.jointed.values())
+        blocks = sum(len(dofs.body.names) for dofs in self.blocks.values())
         return int(elements) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())

@@ -49,7 +49,7 @@ def touching(
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact where bodies touch: see `lacore.contact.rows.contact_rows`."""
     return contact_rows(
-        interfaces, segments, unknowns.dofs, unknowns.jointed, unknowns.n, unknowns.dimension
+        interfaces, segments, unknowns.dofs, unknowns.blocks, unknowns.n, unknowns.dimension
     )
 
 
@@ -131,7 +131,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     )
     basis = with_speeds_of_crushing(held.basis, unknowns, full.dead_load)
     program = reduced(full, basis)
-    order = point_order(contact, points, unknowns.jointed, len(problem.interfaces))
+    order = point_order(contact, points, unknowns.blocks, len(problem.interfaces))
     kept = order[movable_points(program.contact, points)[order]]
     full, program = (
         held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
@@ -146,9 +146,8 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         free_basis=basis,
         held_nodes=held.nodes,
         continua=continua,
-        assemblies=unknowns.assemblies,
+        blocks=unknowns.blocks,
         frames=unknowns.frames,
-        solids=unknowns.solids,
         jumps=jumping,
         slips=slipping,
         seams=seaming,

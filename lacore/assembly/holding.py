@@ -46,7 +46,7 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
     else:
         deforming, nodes = _in_plane(problem, unknowns, slipping, tied)
     basis = csr_matrix(block_diag([deforming, rigid], format="csr"))
-    return Held(csr_matrix(basis[:, column_order(basis, unknowns.jointed)]), nodes)
+    return Held(csr_matrix(basis[:, column_order(basis, unknowns.blocks)]), nodes)
 
 
 def _driven(basis: Sparse, problem: Problem, unknowns: Unknowns) -> Sparse:
@@ -65,7 +65,7 @@ def _driven(basis: Sparse, problem: Problem, unknowns: Unknowns) -> Sparse:
     first = unknowns.n - basis.shape[0]
     column, kept = np.zeros(basis.shape[0]), np.ones(basis.shape[1], dtype=bool)
     for name, motion in problem.driven.items():
-        dofs = unknowns.assemblies[name]
+        dofs = unknowns.blocks[name]
         rows = np.arange(dofs.count) + dofs.offset - first
         free, wanted = basis[rows].toarray(), dofs.unknowns(motion[:, None])
         possible = free @ np.linalg.lstsq(free, wanted, rcond=None)[0]

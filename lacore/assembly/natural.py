@@ -53,7 +53,7 @@ def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats
     power that is not.
     """
     unit = np.ones(basis.shape[0])
-    for dofs in unknowns.solids.values():
+    for dofs in unknowns.blocks.values():
         points, across = dofs.body.crushing_points, cbrt(dofs.extent)
         if points is not None and np.any(dead_load):
             pressed = fsum(np.abs(dead_load)) / across**2

@@ -1,7 +1,4 @@
-"""The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order.
-
-In space there are tetrahedra and rigid blocks, and no frames.
-"""
+"""The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,11 +9,9 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import count_speeds, numbered_speeds
-from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind, rigid_blocks
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.blocks.rigid_blocks import RigidBlocks
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.frames.dofs import FrameDofs
@@ -30,15 +25,14 @@ class Unknowns:
     """What the numbers of a velocity stand for.
 
     Attributes:
-        continua, assemblies, frames, solids: those of bodies, by name; solids are blocks in space.
+        continua, blocks, frames: those of bodies, by name.
         footings: the first unknown of each, the speed that its load drives.
         n: how many there are.
     """
 
     continua: Mapping[str, BodyDofs]
-    assemblies: Mapping[str, RigidDofs[BlockAssembly]]
+    blocks: Mapping[str, RigidDofs[RigidBlocks]]
     frames: Mapping[str, FrameDofs]
-    solids: Mapping[str, RigidDofs[BlockAssembly3D]]
     footings: Mapping[Footing, int]
     n: int
 
@@ -49,13 +43,11 @@ class Unknowns:
         first = sum(own.count for own in continua.values())
         footings = numbered_speeds(problem, first)
         n = first + count_speeds(footings)
-        assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, n)
-        n += sum(own.count for own in assemblies.values())
+        blocks = numbered(rigid_blocks(problem.bodies), RigidDofs, n)
+        n += sum(own.count for own in blocks.values())
         frames = numbered(of_kind(problem.bodies, Frame), FrameDofs, n)
         n += sum(own.count for own in frames.values())
-        solids = numbered(of_kind(problem.bodies, BlockAssembly3D), RigidDofs, n)
-        n += sum(own.count for own in solids.values())
-        return cls(continua, assemblies, frames, solids, footings, n)
+        return cls(continua, blocks, frames, footings, n)
 
     @property
     def dimension(self) -> int:
@@ -71,12 +63,7 @@ class Unknowns:
     @cached_property
     def rigid(self) -> dict[str, RigidParts]:
         """Bodies whose supports are a matter of their own, in the order of their unknowns."""
-        return {**self.assemblies, **self.frames, **self.solids}
-
-    @cached_property
-    def jointed(self) -> dict[str, RigidDofs[RigidBlocks]]:
-        """Blocks, with joints of their own."""
-        return {**self.assemblies, **self.solids}
+        return {**self.blocks, **self.frames}
 
     @cached_property
     def dofs(self) -> dict[str, Dofs]:

@@ -8,6 +8,7 @@ from typing import Protocol, Self, TypeVar
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
@@ -20,7 +21,7 @@ from lacore.program import DissipationGroup
 PlaneBody = Body | BlockAssembly | Frame
 AnyBody = PlaneBody | BlockAssembly3D
 """A body of a problem: `lacore.Body`, or one of `BlockAssembly`, `BlockAssembly3D`, `Frame`."""
-Kind = TypeVar("Kind", Body, BlockAssembly, Frame, BlockAssembly3D)
+Kind = TypeVar("Kind", Body, BlockAssembly, Frame, BlockAssembly3D, RigidBlocks)
 Own = TypeVar("Own", bound="Counted")
 
 
@@ -209,6 +210,11 @@ class Counted(Protocol):
 def of_kind(bodies: Mapping[str, object], kind: type[Kind]) -> dict[str, Kind]:
     """The bodies of one kind, by name."""
     return {name: body for name, body in bodies.items() if isinstance(body, kind)}
+
+
+def rigid_blocks(bodies: Mapping[str, object]) -> dict[str, RigidBlocks]:
+    """The assemblies of rigid blocks, in the plane or in space, by name."""
+    return {name: body for name, body in bodies.items() if isinstance(body, RigidBlocks)}
 
 
 def numbered(

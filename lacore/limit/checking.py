@@ -89,7 +89,7 @@ def checked(
 def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike]) -> Floats:
     """All unknowns from velocities by body as `LimitState.velocity` shows them."""
     u = stored.copy()
-    rigid: dict[str, RigidDofs[RigidBlocks] | FrameDofs] = {**d.jointed, **d.frames}
+    rigid: dict[str, RigidDofs[RigidBlocks] | FrameDofs] = {**d.blocks, **d.frames}
     for name, values in given.items():
         require_known("velocity", name, [*d.continua, *rigid])
         field = f"velocity[{name!r}]"

@@ -139,7 +139,7 @@ class LimitState(Reported, Shown):
         """
         u = self._point().velocity
         nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.continua.items()}
-        blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.jointed.items()}
+        blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.blocks.items()}
         frames = {name: dofs.motion(u) for name, dofs in self.discretisation.frames.items()}
         return nodal | blocks | frames
 

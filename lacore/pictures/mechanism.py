@@ -139,7 +139,7 @@ def _fit(layout: _Layout, colours: bool) -> None:
 
 def _blocks(state: LimitState) -> int:
     """Number of rigid blocks."""
-    return sum(len(dofs.body.names) for dofs in state.discretisation.jointed.values())
+    return sum(len(dofs.body.names) for dofs in state.discretisation.blocks.values())
 
 
 def _rigid_parts(state: LimitState) -> int:

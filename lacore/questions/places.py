@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.any_body import of_kind, rigid_blocks
 from lacore.bodies.frames.frame import Frame
 from lacore.conditions.loads import Load, PointForce
 from lacore.problem.problem import Problem
@@ -45,10 +43,7 @@ def places(problem: Problem) -> Iterator[Place]:
     inextensible, would lock each other. On meshes forces act at vertices, and supports along edges:
     where these are is a matter of the mesh.
     """
-    blocks: dict[str, BlockAssembly | BlockAssembly3D] = {
-        **of_kind(problem.bodies, BlockAssembly),
-        **of_kind(problem.bodies, BlockAssembly3D),
-    }
+    blocks = rigid_blocks(problem.bodies)
     for attribute in ("reference_loads", "dead_loads"):
         for index, load in enumerate(getattr(problem, attribute)):
             if load.body in blocks and load.point is not None:

@@ -6,10 +6,10 @@ three dimensions N. Where joints crush, the speed of crushing of each point foll
 it opens the contact there, at the cost of strength times area (T95).
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import fsum
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, eye_array
@@ -23,6 +23,7 @@ from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
 Assembly = TypeVar("Assembly", bound=RigidBlocks, covariant=True)
+Kind = TypeVar("Kind", bound=RigidBlocks)
 
 
 @dataclass(frozen=True, repr=False)
@@ -178,3 +179,14 @@ class RigidDofs(Compact, Generic[Assembly]):
         result = force[: self.of_blocks].reshape(-1, self.per_block)[blocks].T.copy()
         result[self.body.dimension :] *= self.body.radius[blocks]
         return self.body.centroid[:, blocks], result
+
+
+def dofs_of_kind(
+    blocks: Mapping[str, RigidDofs[RigidBlocks]], kind: type[Kind]
+) -> dict[str, RigidDofs[Kind]]:
+    """The unknowns of the assemblies of one kind, by name."""
+    return {
+        name: cast(RigidDofs[Kind], own)
+        for name, own in blocks.items()
+        if isinstance(own.body, kind)
+    }

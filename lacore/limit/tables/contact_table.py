@@ -139,7 +139,7 @@ def contact_sides(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarra
             if body is not None:
                 sides[points, column] = _names_of(discretisation, body, moving[points, column])
     first = len(discretisation.problem.interfaces)
-    for dofs in discretisation.jointed.values():
+    for dofs in discretisation.blocks.values():
         joints = dofs.body.joints
         names = np.array(dofs.body.names, dtype=object)
         points = np.flatnonzero((interface >= first) & (interface < first + joints.count))
@@ -159,6 +159,6 @@ def _bodies_of_pairs(discretisation: Discretisation) -> Iterator[tuple[str, str 
 
 
 def _names_of(discretisation: Discretisation, body: str, moving: Ints) -> np.ndarray:
-    if body not in discretisation.jointed:
+    if body not in discretisation.blocks:
         return np.full(moving.size, body, dtype=object)
-    return np.array(discretisation.jointed[body].body.names, dtype=object)[moving]
+    return np.array(discretisation.blocks[body].body.names, dtype=object)[moving]

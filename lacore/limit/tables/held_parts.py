@@ -28,7 +28,7 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
         point: in SI units.
     """
     d = discretisation
-    rigid: dict[str, RigidParts] = {**d.assemblies, **d.frames, **d.solids}
+    rigid: dict[str, RigidParts] = {**d.blocks, **d.frames}
     force = without_bonds(d.problem, rigid, out_of_balance(d.full, point))
     frames = []
     for name, dofs in d.continua.items():

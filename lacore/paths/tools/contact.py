@@ -16,6 +16,7 @@ from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.any_body import PlaneBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import Load, PointForce
 from lacore.contact.laws import Laws
@@ -51,7 +52,7 @@ def face_stations(
     n = unknowns.n
     for first, now in zip(*obstacles, strict=True):
         dofs = unknowns.continua[first.body]
-        tool = None if first.carrier is None else unknowns.assemblies[first.carrier]
+        tool = None if first.carrier is None else unknowns.blocks[first.carrier]
         station = obstacle_station(first, dofs, n, begin)
         if tool is not None:
             station = carried_station(first, station, now.shape, tool, n)
@@ -63,7 +64,7 @@ def face_stations(
 
 
 def carried_station(
-    own: Obstacle, station: Station, now: Shape, tool: RigidDofs[BlockAssembly], n: int
+    own: Obstacle, station: Station, now: Shape, tool: RigidDofs[RigidBlocks], n: int
 ) -> Station:
     """Control values of the edges of a body against a tool.
 
@@ -92,7 +93,7 @@ def inner_stations(
     now: Shape,
     station: Station,
     dofs: BodyDofs,
-    tool: RigidDofs[BlockAssembly] | None,
+    tool: RigidDofs[RigidBlocks] | None,
     begin: Configuration,
     n: int,
 ) -> list[Station]:
@@ -128,7 +129,7 @@ def corner_station(
     shapes: tuple[Shape, Shape],
     bodies: tuple[PlaneBody, PlaneBody],
     dofs: BodyDofs,
-    tool: RigidDofs[BlockAssembly] | None,
+    tool: RigidDofs[RigidBlocks] | None,
     n: int,
 ) -> Station | None:
     """Sharp corners of a face that stand before, or on, edges of a body; None of none.
