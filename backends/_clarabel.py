@@ -99,14 +99,14 @@ class ConicSolver:
             standing.solver = None
             # A wall of thousands of blocks that is almost solved is neither locked nor unsafe.
             almost = form.linear and str(found.status) == "AlmostSolved"
-            other = form.presses and not form.gentle
+            other = form.traits.presses and not form.traits.gentle
             careful = self._start(
                 form, cost, offset, left, refine=True, equilibrate=almost or other
             )
             again = careful.solve()
             # Of two that are almost solved the closer one.
             both = {str(found.status), str(again.status)} == {"AlmostSolved"}
-            if not (form.presses and both and _left(found) < _left(again)):
+            if not (form.traits.presses and both and _left(found) < _left(again)):
                 found = again
         native, steps = str(found.status), int(found.iterations)
         x = np.empty(cost.size)
@@ -151,12 +151,14 @@ class ConicSolver:
         settings.presolve_enable = False
         settings.chordal_decomposition_enable = False
         exact = self._penalty is None
-        bare = exact and (form.hardens or (form.presses and not (form.gentle or refine)))
-        small = form.linear or form.presses or form.hardens
-        plain = form.even and not form.cornered
+        bare = exact and (
+            form.traits.hardens or (form.traits.presses and not (form.traits.gentle or refine))
+        )
+        small = form.linear or form.traits.presses or form.traits.hardens
+        plain = form.traits.even and not form.traits.cornered
         least = 1e-9 if bare and not (refine or plain) else 1e-8
         settings.static_regularization_constant = least if small else 1e-7
-        settings.iterative_refinement_enable = refine or (exact and form.gentle)
+        settings.iterative_refinement_enable = refine or (exact and form.traits.gentle)
         settings.equilibrate_enable = equilibrate and not bare
         settings.max_iter = self._limits.max_iterations
         settings.time_limit = time_limit

@@ -25,9 +25,10 @@ import clarabel
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
+from backends._conic_rows import Law, Norm, placed, strain_law, wide
 from backends._surface_rows import Leads, Volumes, point_units, stress_besides
 from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.program import POWER, FrozenContact, KinematicProgram, interleaved
+from lacore.program import POWER, FrozenContact, KinematicProgram
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
@@ -64,65 +65,48 @@ class Pattern:
 
 
 @dataclass(frozen=True)
-class _Law:
-    """Rows of a law, `dim` a point, with the weights of the points; soft where stiffness < inf."""
+class Traits:
+    """What a solver needs to know of a form.
 
-    rows: Sparse
-    dim: int
-    weights: Floats
-    stiffness: float
+    Attributes:
+        hardens: whether lengths of strain rates have a quadratic cost.
+        presses: whether strength depends on pressure.
+        gentle: whether somewhere so little that it hardly does.
+        cornered: whether somewhere several surfaces bound it.
+        even: whether every surface has some strength without pressure, and velocities are those of
+            a body; they are in units then in which rows of points are as large as stresses.
+    """
 
-    @property
-    def softened(self) -> int:
-        """Number of its y."""
-        return self.rows.shape[0] if np.isfinite(self.stiffness) else 0
+    hardens: bool
+    presses: bool
+    gentle: bool
+    cornered: bool
+    even: bool
 
-    def over(self, columns: int, first: int) -> Sparse:
-        """``weights (rows U - y/sqrt(K))`` over all columns, the y from column `first` on."""
-        weights = np.repeat(self.weights, self.dim)
-        wide = _wide(self.rows, columns, weights)
-        if not self.softened:
-            return wide
-        own = np.arange(weights.size)
-        share = weights / np.sqrt(self.stiffness)
-        return csr_matrix(wide - csr_matrix((share, (own, first + own)), wide.shape))
+    @classmethod
+    def of(cls, program: KinematicProgram, exact: bool) -> "Traits":
+        """Those of a program; no regularised form is even."""
+        surfaces = [group.surfaces for group in program.groups if group.surfaces is not None]
+        gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in surfaces)
+        cornered = any(one.count > 1 for one in surfaces)
+        strong = all(bool(np.all(one.strength > 0)) for one in surfaces)
+        simple = not (program.hardens or gentle or cornered)
+        tied = program.n <= _TIED * sum(group.weights.size for group in program.groups)
+        even = bool(surfaces) and strong and simple and tied and exact
+        return cls(program.hardens, program.presses, gentle, cornered, even)
 
 
 @dataclass(frozen=True)
-class _Norm:
-    """Cones ``||follow|| <= lead``, `count` of them, with `dim` rows of `follow` in each.
+class _Laws:
+    """The laws of a form in the order of their rows: equations, signs of openings, norms."""
 
-    Attributes:
-        linear: they are pairs of half-spaces, of one row.
-    """
-
-    count: int
-    dim: int
-    linear: bool = False
+    equal: list[Law]
+    unilateral: list[Law]
+    normed: list[Law]
 
     @property
-    def cones(self) -> list[Any]:
-        """Those of Clarabel."""
-        return [] if self.linear else [clarabel.SecondOrderConeT(1 + self.dim)] * self.count
-
-    def rows(self, lead: Sparse, follow: Sparse) -> Sparse:
-        """The rows whose values are in the cones."""
-        if self.linear:
-            return csr_matrix(vstack([lead - follow, lead + follow]))
-        return interleaved(lead, 1, follow, self.dim)
-
-    def offset(self, lead: Floats) -> Floats:
-        """What is added to the rows where `lead` is added to the lead."""
-        if self.linear:
-            return np.concatenate([lead, lead])
-        return np.column_stack([lead, np.zeros((self.count, self.dim))]).ravel()
-
-    def duals(self, z: Floats) -> Floats:
-        """Multipliers of lead and follow, shape (count, 1 + dim)."""
-        if self.linear:
-            below, above = z.reshape(2, -1)
-            return np.column_stack([below + above, above - below])
-        return z.reshape(-1, 1 + self.dim)
+    def all(self) -> list[Law]:
+        return [*self.equal, *self.unilateral, *self.normed]
 
 
 class ConicForm:
@@ -130,13 +114,8 @@ class ConicForm:
 
     Attributes:
         quadratic, matrix, cones: P, A and the cones.
+        traits: what a solver needs to know.
         linear: whether it could be written as a linear program.
-        hardens: whether lengths of strain rates have a quadratic cost.
-        presses: whether strength depends on pressure.
-        gentle: whether somewhere so little that it hardly does.
-        cornered: whether somewhere several surfaces bound it.
-        even: whether every surface has some strength without pressure, and velocities are those of
-            a body; they are in units then in which rows of points are as large as stresses.
         speed: velocities of the form for 1 of the program. The least value is as many times as
             large; `offset` is divided by it where a program is to be written as it is.
         order: of the columns as a solver is to see them. Multipliers of several surfaces come
@@ -150,94 +129,122 @@ class ConicForm:
         pattern: Pattern,
         penalty: Penalties | None,
     ) -> None:
+        exact = penalty is None
         self._program, self._pattern = program, pattern
-        self.hardens, self.presses = program.hardens, program.presses
-        pressed = [group.surfaces for group in program.groups if group.surfaces is not None]
-        self.gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in pressed)
-        self.cornered = any(one.count > 1 for one in pressed)
-        strong = all(bool(np.all(one.strength > 0)) for one in pressed)
-        simple = not (self.hardens or self.gentle or self.cornered)
-        tied = program.n <= _TIED * sum(group.weights.size for group in program.groups)
-        self.even = bool(pressed) and strong and simple and tied and penalty is None
-        self.speed = _SPEED if self.even else 1.0
-        points, dim = program.contact, program.contact.tangent_dim
-        stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
+        self.traits = Traits.of(program, exact)
+        self.speed = _SPEED if self.traits.even else 1.0
         self._dilatant = contact.dilatancy > 0
-        self._gain = np.ones(points.count)
-        if self.hardens and penalty is None:
-            self._gain = _gains(points.weights)
-        lengths = points.weights * self._gain
-
-        def slip(mask: Bools) -> _Law:
-            rows = points.tangential[np.repeat(mask, dim)]
-            return _Law(rows, dim, lengths[mask], stiff.tangential)
-
-        def opening(mask: Bools) -> _Law:
-            return _Law(points.normal[mask], 1, lengths[mask], stiff.normal)
-
+        weights = program.contact.weights
+        self._gain = _gains(weights) if program.hardens and exact else np.ones(weights.size)
         self._units = [
-            point_units(g) if penalty is None else np.ones(g.weights.size) for g in program.groups
+            point_units(group) if exact else np.ones(group.weights.size) for group in program.groups
         ]
-        groups = list(zip(program.groups, self._units, strict=True))
-        self._volumes = [Volumes.of(g, unit, soft=penalty is not None) for g, unit in groups]
-        volumes = [_Law(own.rows, 1, own.weights, stiff.bulk) for own in self._volumes]
-        strains = [
-            _Law(g.rows, g.dim, g.weights / unit, stiff.eta)
-            if penalty is None or g.surfaces is not None or not own.weights.size
-            else _Law(
-                interleaved(g.rows, g.dim, g.volumetric * g.volumetric_factor, 1),
-                g.dim + 1,
-                g.weights,
-                stiff.eta,
-            )
-            for (g, unit), own in zip(groups, self._volumes, strict=True)
-        ]
-        equal = [*volumes, slip(pattern.stick)]
-        unilateral = [opening(~self._dilatant), opening(self._dilatant), slip(self._dilatant)]
-        normed = [*strains, slip(pattern.friction)]
-        laws = [*equal, *unilateral, *normed]
-
+        groups = zip(program.groups, self._units, strict=True)
+        self._volumes = [Volumes.of(group, unit, soft=not exact) for group, unit in groups]
         leads = [
             *(Leads.of(group) for group in program.groups),
             Leads.plain(int(pattern.friction.sum())),
         ]
+        laws = self._laws(penalty)
         norms = program.n + np.cumsum([0, *(lead.shares.shape[1] for lead in leads)])
-        first = int(norms[-1])
-        starts = first + np.cumsum([0, *(law.softened for law in laws)])
+        starts = norms[-1] + np.cumsum([0, *(law.softened for law in laws.all)])
         columns = int(starts[-1])
-        every = np.arange(columns)
-        self.order: Ints | slice = np.roll(every, -program.n) if self.cornered else slice(None)
-        over = [law.over(columns, int(start)) for law, start in zip(laws, starts[:-1], strict=True)]
-        load = _wide(csr_matrix(program.reference_load[None, :]), columns, np.ones(1))
-        free, lifting, sliding = over[len(equal) : len(equal) + 3]
+        self.order: Ints | slice = slice(None)
+        if self.traits.cornered:
+            self.order = np.roll(np.arange(columns), -program.n)
+        over = [
+            law.over(columns, int(start)) for law, start in zip(laws.all, starts[:-1], strict=True)
+        ]
+        self._assemble(contact, laws, leads, over, norms)
+        self.quadratic = self._quadratic(laws, leads, columns)
+        flat = exact and not program.hardens
+        self.linear = flat and all(norm.dim == 1 for norm in self._norms if norm.count)
+
+    def _laws(self, penalty: Penalties | None) -> _Laws:
+        """Laws of the program; `penalty` softens them."""
+        points, dim = self._program.contact, self._program.contact.tangent_dim
+        stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
+        lengths = points.weights * self._gain
+
+        def slip(mask: Bools) -> Law:
+            rows = points.tangential[np.repeat(mask, dim)]
+            return Law(rows, dim, lengths[mask], stiff.tangential)
+
+        def opening(mask: Bools) -> Law:
+            return Law(points.normal[mask], 1, lengths[mask], stiff.normal)
+
+        dilatant, pattern = self._dilatant, self._pattern
+        groups = zip(self._program.groups, self._units, self._volumes, strict=True)
+        volumes = [Law(own.rows, 1, own.weights, stiff.bulk) for own in self._volumes]
+        strains = [
+            strain_law(group, unit, stiff.eta, whole=penalty is not None and own.weights.size > 0)
+            for group, unit, own in groups
+        ]
+        return _Laws(
+            [*volumes, slip(pattern.stick)],
+            [opening(~dilatant), opening(dilatant), slip(dilatant)],
+            [*strains, slip(pattern.friction)],
+        )
+
+    def _assemble(
+        self,
+        contact: FrozenContact,
+        laws: _Laws,
+        leads: list[Leads],
+        over: list[Sparse],
+        norms: Ints,
+    ) -> None:
+        """Put the rows of the laws, `over` all columns, into the matrix and its cones.
+
+        Args:
+            contact: its dilatancy.
+            laws: whose rows they are.
+            leads: of the norms; the columns of each begin at its place in `norms`.
+            over: rows of each law.
+            norms: first columns of the leads.
+        """
+        equations, columns = len(laws.equal), over[0].shape[1]
+        equal, (free, lifting, sliding), normed = (
+            over[:equations],
+            over[equations : equations + 3],
+            over[equations + 3 :],
+        )
+        dim = self._program.contact.tangent_dim
         dilated = diags_array(np.repeat(contact.dilatancy[self._dilatant], dim)) @ sliding
-        self._norms = [_Norm(lifting.shape[0], dim, linear=dim == 1)]
-        normed_rows = [self._norms[0].rows(lifting, csr_matrix(dilated))]
+        self._norms = [Norm(lifting.shape[0], dim, linear=dim == 1)]
+        rows_of_norms = [self._norms[0].rows(lifting, csr_matrix(dilated))]
         positive: list[Sparse] = []
-        for number, (law, rows) in enumerate(zip(normed, over[len(equal) + 3 :], strict=True)):
-            lead, first_own = leads[number], int(norms[number])
-            self._norms.append(_Norm(law.weights.size, law.dim))
-            normed_rows.append(self._norms[-1].rows(_placed(lead.shares, columns, first_own), rows))
-            if lead.slopes is not None:
-                slopes = csr_matrix(diags_array(self._volumes[number].gain) @ lead.slopes)
-                over[number] = csr_matrix(over[number] - _placed(slopes, columns, first_own))
-            if lead.slopes is not None and not (lead.single and self.even):
+        for number, (law, rows) in enumerate(zip(laws.normed, normed, strict=True)):
+            lead, first = leads[number], int(norms[number])
+            norm = Norm(law.weights.size, law.dim)
+            self._norms.append(norm)
+            rows_of_norms.append(norm.rows(placed(lead.shares, columns, first), rows))
+            if lead.slopes is None:
+                continue
+            slopes = csr_matrix(diags_array(self._volumes[number].gain) @ lead.slopes)
+            equal[number] = csr_matrix(equal[number] - placed(slopes, columns, first))
+            if not (lead.single and self.traits.even):
                 each = csr_matrix(identity(lead.shares.shape[1]))
-                positive.append(_placed(each, columns, first_own))
+                positive.append(placed(each, columns, first))
         free = csr_matrix(vstack([free, *positive])) if positive else free
-        blocks = [load, *over[: len(equal)], -free, *(-rows for rows in normed_rows)]
+        load = wide(csr_matrix(self._program.reference_load[None, :]), columns, np.ones(1))
+        blocks = [load, *equal, -free, *(-rows for rows in rows_of_norms)]
         self._ends = np.cumsum([block.shape[0] for block in blocks])
         self.matrix = csc_matrix(vstack(blocks, format="csc"))
         flat = free.shape[0] + sum(2 * norm.count for norm in self._norms if norm.linear)
-        self.cones: list[Any] = [clarabel.ZeroConeT(int(self._ends[len(equal)]))]
+        self.cones: list[Any] = [clarabel.ZeroConeT(int(self._ends[equations]))]
         self.cones += [clarabel.NonnegativeConeT(flat)] if flat else []
         for norm in self._norms:
             self.cones += norm.cones
+
+    def _quadratic(self, laws: _Laws, leads: list[Leads], columns: int) -> Any:
+        """P: what hardens and what is softened."""
+        program, every = self._program, laws.all
         gains = [own.gain for own in self._volumes]
-        gains += [np.ones(law.weights.size) for law in laws[len(groups) :]]
+        gains += [np.ones(law.weights.size) for law in every[len(gains) :]]
         soft = [
             np.repeat(law.weights / gain, law.dim)
-            for law, gain in zip(laws, gains, strict=True)
+            for law, gain in zip(every, gains, strict=True)
             if law.softened
         ]
         # The t are lengths times weights per unit: w h (t unit/w)^2/2.
@@ -247,21 +254,19 @@ class ConicForm:
             else group.rise * unit**2 / group.weights
             for group, unit, lead in zip(program.groups, self._units, leads[:-1], strict=True)
         ]
-        still = np.zeros(first - program.n - sum(part.size for part in rising))
-        diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
+        diagonal = np.zeros(columns)
+        known = np.concatenate([np.zeros(program.n), *rising])
+        diagonal[: known.size] = known
+        diagonal[columns - sum(part.size for part in soft) :] = np.concatenate([*soft, np.zeros(0)])
         own = np.flatnonzero(diagonal)
-        self.quadratic = csc_matrix((diagonal[own], (own, own)), (columns, columns))
+        found = csc_matrix((diagonal[own], (own, own)), (columns, columns))
         for group in program.groups:
             # Beside surfaces the t are no lengths: where flow is that of a corner they are more.
             if group.surfaces is not None and group.modulus is not None:
                 root = np.repeat(np.sqrt(group.weights * group.modulus), group.dim)
-                spring = _wide(group.rows, columns, root)
-                self.quadratic = csc_matrix(self.quadratic + triu(spring.T @ spring))
-        self.linear = (
-            not self.hardens
-            and penalty is None
-            and all(norm.dim == 1 for norm in self._norms if norm.count)
-        )
+                spring = wide(group.rows, columns, root)
+                found = csc_matrix(found + triu(spring.T @ spring))
+        return found
 
     def ordered(self) -> tuple[Any, Any]:
         """P and A with their columns in `order`."""
@@ -350,19 +355,3 @@ def _gains(weights: Floats) -> Floats:
     fiftieth of the length of others penetrate by 1e-6 of the largest velocity.
     """
     return np.maximum(1.0, _SHORT * np.median(weights) / weights) if weights.size else weights
-
-
-def _placed(rows: Sparse, columns: int, first: int) -> Sparse:
-    """Rows over all columns, their own from column `first` on."""
-    return csr_matrix((rows.data, rows.indices + first, rows.indptr), (rows.shape[0], columns))
-
-
-def _wide(rows: Sparse, columns: int, weights: Floats) -> Sparse:
-    """The rows times their weights, with empty columns appended, and without zeros."""
-    # By its arrays: products of matrices would take half of the time of a small solve.
-    data = rows.data * np.repeat(weights, np.diff(rows.indptr))
-    wide = csr_matrix((data, rows.indices, rows.indptr), (rows.shape[0], columns))
-    if not np.all(data):
-        wide = wide.copy()  # zeros are cut out of arrays that are those of the program
-        wide.eliminate_zeros()
-    return wide
