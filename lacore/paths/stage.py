@@ -291,12 +291,12 @@ def staged(
     bonded = [
         Interface(one, other, own.law) for own, (one, other) in zip(bonds, sides, strict=True)
     ]
+    parts = [(side.body, side.edges) for pair in pairs for side in pair.sides]
+    parts += [(own.body, own.facets) for own in obstacles]
+    parts += [(name, np.arange(rigid[name].edges.block.size)) for name in tools.shapes]
     meets: dict[str, Ints] = {}
-    for side in (side for pair in pairs for side in pair.sides):
-        meets[side.body] = np.union1d(meets.get(side.body, side.edges), side.edges)
-    for own in obstacles if tools.shapes else ():
-        meets[own.body] = np.union1d(meets.get(own.body, own.facets), own.facets)
-    meets |= {name: np.arange(rigid[name].edges.block.size) for name in tools.shapes}
+    for name, edges in parts:
+        meets[name] = np.union1d(meets.get(name, edges), edges)
     every: dict[str, PlaneBody] = {**bodies, **rigid}
     ready = ProblemOnPath(
         MappingProxyType(every), driven or reference, supports, bonded, dead, meets, motions
