@@ -287,3 +287,27 @@ def test_smooth_shells_are_one_sphere_if_the_most_regular_velocity_is_taken(alon
     # Steps: 0.043/20^2 of the case hardening-sphere; 1e-4 of the load by the choice of LeastNorm.
     assert loads[0] == pytest.approx(exact, rel=2.1e-4)
     assert loads[1] == pytest.approx(loads[0], rel=SAME)
+
+
+@pytest.mark.slow
+def test_friction_of_two_bodies_needs_no_more_solves_than_that_of_a_platen():
+    """Sides that overlap by a short part of an edge (before: 108 solves certified nothing)."""
+
+    def billet(name, low, high, rows):
+        mesh = la.meshes.rectangle((0, 1), (low, high), 20, rows, grade_x=(1.0, 3.0))
+        return {name: la.Body(mesh, la.VonMises(hardening=LAW), space="p2-gauss")}
+
+    def first_step(bodies, lowest, interface, *supports):
+        load = la.RigidFooting(lowest, "bottom", (0, 1), rough=False)
+        held = [la.Fix(name, "left", "x") for name in bodies]
+        return la.sequential(
+            la.Problem(bodies, [load], [*held, *supports], [interface]), 0.00625, 1
+        )
+
+    platen = la.Interface(("whole", "top"), la.RigidObstacle((0, 0.5), (0, -1)), 0.2)
+    one = first_step(billet("whole", 0, 0.5, 10), "whole", platen)
+    halves = billet("lower", 0, 0.25, 5) | billet("upper", 0.25, 0.5, 5)
+    joint = la.Interface(("lower", "top"), ("upper", "bottom"), 0.2)
+    two = first_step(halves, "lower", joint, la.Fix("upper", "top", "xy"))
+    assert two.status is Ending.REACHED
+    assert two.history.solves.sum() <= one.history.solves.sum()
