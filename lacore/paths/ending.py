@@ -18,6 +18,10 @@ class Ending(Enum):
         "contact acts along edges that face each other, and a corner has none: give the corner a"
         " short edge of its own that faces the other body, or take smaller steps"
     )
+    FOLDED = (
+        "contact of a body with itself is not followed: end the path before it folds, or divide the"
+        " body there into two bodies with an interface between them"
+    )
     STANDSTILL = (
         "the control does not move in its direction: turn its direction around, or follow another"
         " point or a footing"

@@ -13,6 +13,7 @@ from lacore.limit.state import LimitState
 from lacore.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.folding import Fold, first_fold
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Flow, Moment, flow
@@ -50,6 +51,14 @@ class PathEndError(Exception):
     def __init__(self, ending: Ending, message: str, where: str = "") -> None:
         self.ending, self.text, self.where = ending, message, where
         super().__init__(message)
+
+
+class FoldedError(PathEndError):
+    """A body touches itself before the shape at which a step is solved, or ends, is reached."""
+
+    def __init__(self, fold: Fold) -> None:
+        self.fold = fold
+        super().__init__(Ending.FOLDED, text("{}; {}", fold.text, Ending.FOLDED.value))
 
 
 @dataclass(frozen=True)
@@ -129,6 +138,7 @@ class Walk:
             PathEndError: there is no certified answer, no mesh, or the control stands still.
         """
         require_upright(self.stage, moment.at)
+        _require_unfolded(self.stage, moment.begin, moment.at)
         try:
             moment = replace(moment, pressed=self.pressed)
             before = self.before if self.pressed is None else None
@@ -263,6 +273,7 @@ def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
         message = "a point would strain by more than a step can bear: take smaller steps"
         raise PathEndError(Ending.NOT_ITERATED, message)
     end = here.configuration.moved(_scaled(found.velocity, duration), strained)
+    _require_unfolded(walk.stage, here.configuration, end)
     load, _ = walk.flow(Moment(end, end, duration, 0.0))
     error = _change(walk, here, found, distance, speed)
     return Stride(found, load, here.travel + distance, duration, strained, speed, error)
@@ -305,6 +316,14 @@ def require_upright(stage: Stage, configuration: Configuration) -> float:
             message = text("{}: {}", what, Ending.INVERSION.value)
             raise PathEndError(Ending.INVERSION, message, what)
     return least
+
+
+def _require_unfolded(stage: Stage, before: Configuration, after: Configuration) -> None:
+    """Raise `FoldedError` where a body comes to touch itself as it moves."""
+    if before is not after:
+        fold = first_fold(*map(stage.meshes_at, (before, after)))
+        if fold is not None:
+            raise FoldedError(fold)
 
 
 def _started(walk: Walk, here: Here, distance: float) -> Here:

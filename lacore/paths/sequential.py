@@ -14,6 +14,8 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
+from lacore.paths.attempts import whole_or_to_fold
+from lacore.paths.contact.folding import FOLDED
 from lacore.paths.contact.overlap import corner_inside
 from lacore.paths.control import Control, FootingTravel, ToolTravel, driven_by, gauge_of, unit_of
 from lacore.paths.ending import Ending
@@ -245,29 +247,23 @@ def _steady(log: Log, until: Steady, settings: Mapping[str, Any]) -> Path | None
 def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:
     """The next place, after as many attempts as the pace asks for."""
     begin = time.perf_counter()
+    for event in log.events:
+        if event.kind == FOLDED and event.step == here.step:
+            message = text("{}; {}", event.what, Ending.FOLDED.value)
+            raise PathEndError(Ending.FOLDED, message)
     # Reactions of the step before are too far off, its slip is where to look for them.
     walk.solves, walk.pressed, walk.before = 0, None, here.velocity
     walk.require_safe(here, distance)
-    stride = scheme(walk, here, distance)
-    while not pace.accepts(stride.error):
-        distance = pace.shorter(distance, stride.error)
-        stride = scheme(walk, here, distance)
+    stride, there, fold = whole_or_to_fold(walk, scheme, here, distance, pace)
+    distance = there.travel - here.travel
     pace.learn(distance, stride.error)
-    moves = {name: stride.duration * v for name, v in stride.flow.velocity.items()}
-    there = Here(
-        step=here.step + 1,
-        travel=here.travel + distance,
-        configuration=here.configuration.moved(moves, stride.strained),
-        velocity=stride.flow.velocity,
-        strain_rate=stride.flow.strain_rate,
-        speed=stride.speed,
-        growth=1.0 if here.velocity is None else stride.speed / here.speed,
-    )
     jacobian = require_upright(walk.stage, there.configuration)
     volume = _volume(walk.stage, there)
     _require_apart(walk.stage, there)
     _look(walk, stride, distance, there, log)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
+    if fold is not None:
+        log.event(FOLDED, there.step, here.travel + fold.share * distance, fold.text)
     return there
 
 
