@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from lacore.paths.contact.folding import Fold, first_fold
 from lacore.paths.pace import Pace
-from lacore.paths.schemes import FoldedError, Here, Scheme, Stride, Walk
+from lacore.paths.schemes import FoldedError, Here, Scheme, Stride, Walk, require_upright
 
 _AHEAD = 1e-5  # of a step that ends that much before a body touches itself, so that it is a mesh
 _SHORTEST = 1e-9  # of a step: no shorter part of it is tried
@@ -14,8 +14,11 @@ _SHORTEST = 1e-9  # of a step: no shorter part of it is tried
 
 def whole_or_to_fold(
     walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace
-) -> tuple[Stride, Here, Fold | None]:
+) -> tuple[Stride, Here, float, Fold | None]:
     """Return the step that the pace accepts, where it leads, and the fold that ends it.
+
+    An element that would turn over comes first: new meshes may follow. The third value is the least
+    Jacobian, see `require_upright`.
 
     Args:
         walk, scheme, pace: of the path.
@@ -48,11 +51,12 @@ def whole_or_to_fold(
             speed=stride.speed,
             growth=1.0 if here.velocity is None else stride.speed / here.speed,
         )
+        jacobian = require_upright(walk.stage, configuration)
         further = {name: (1 + _AHEAD) * moved for name, moved in moves.items()}
         beyond = here.configuration.moved(further, stride.strained)
         fold = first_fold(*map(walk.stage.meshes_at, (here.configuration, beyond)))
         if fold is not None:
             fold = replace(fold, share=(1 + _AHEAD) * fold.share)
         if fold is None or fold.share > 1 or distance < shortest:
-            return stride, there, fold
+            return stride, there, jacobian, fold
         distance *= fold.share / (1 + _AHEAD / 2)

@@ -273,6 +273,7 @@ def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
         message = "a point would strain by more than a step can bear: take smaller steps"
         raise PathEndError(Ending.NOT_ITERATED, message)
     end = here.configuration.moved(_scaled(found.velocity, duration), strained)
+    require_upright(walk.stage, end)
     _require_unfolded(walk.stage, here.configuration, end)
     load, _ = walk.flow(Moment(end, end, duration, 0.0))
     error = _change(walk, here, found, distance, speed)

@@ -37,7 +37,7 @@ from lacore.paths.renewal.remeshing import (
     restaged,
     transfer_text,
 )
-from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, require_upright
+from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
 from lacore.paths.steady import Steady
@@ -254,10 +254,9 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     # Reactions of the step before are too far off, its slip is where to look for them.
     walk.solves, walk.pressed, walk.before = 0, None, here.velocity
     walk.require_safe(here, distance)
-    stride, there, fold = whole_or_to_fold(walk, scheme, here, distance, pace)
+    stride, there, jacobian, fold = whole_or_to_fold(walk, scheme, here, distance, pace)
     distance = there.travel - here.travel
     pace.learn(distance, stride.error)
-    jacobian = require_upright(walk.stage, there.configuration)
     volume = _volume(walk.stage, there)
     _require_apart(walk.stage, there)
     _look(walk, stride, distance, there, log)
