@@ -29,7 +29,7 @@ PLANE = {
 }
 
 
-def build(voussoirs: int, inner: float, outer: float, mu: float, slices: int) -> la.Problem:
+def build(voussoirs: int, inner: float, outer: float, mu: float, slices: int) -> "la.Problem":
     """Voussoirs and springings, which are held."""
     arch = la.masonry3d.arch(voussoirs, inner, outer - inner, 1.0, mu, slices=slices)
     return shaken(arch, (*named(arch, "left"), *named(arch, "right")))

@@ -28,7 +28,7 @@ from verification.cases.shared.solids import HYPERSTATIC, shaken
 PLANE = 0.1152294  # 15 voussoirs, radii 2 and 2.3, mu = 0.6: Coulomb and associated
 
 
-def build(psi: float) -> la.Problem:
+def build(psi: float) -> "la.Problem":
     """The vault between its springings, which are held."""
     vault = la.masonry3d.barrel_vault(15, 26, 2.0, 0.3, 8.0, 0.6)
     return shaken(vault, ("left", "right"), (cos(psi), sin(psi), 0.0))

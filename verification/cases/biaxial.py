@@ -24,7 +24,7 @@ C, CUT_OFF, CRUSHING = 1.0, 0.3, 2.0
 _PRECISE = 1e-7  # relative: exact backends solve to 1e-8 and better
 
 
-def build(nx: int, ny: int, angle: float, lateral: float, state: str) -> la.Problem:
+def build(nx: int, ny: int, angle: float, lateral: float, state: str) -> "la.Problem":
     """The block; `state` is ``pressed``, ``pulled``, ``cut off``, ``crushed`` or ``plate``."""
     soil = la.MohrCoulomb(
         C,

@@ -34,7 +34,7 @@ _HIGH = 0.5  # m, of the tools
 _BELOW = 0.02
 
 
-def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> la.Problem:
+def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
     """Half of the sheet; nx columns under the punch and on the die, one in the clearance."""
     edge = PUNCH + CLEARANCE
     columns = np.unique(np.r_[np.linspace(0, PUNCH, nx + 1), np.linspace(edge, WIDTH, nx + 1)])
@@ -84,12 +84,12 @@ def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> la.Problem:
     )
 
 
-def _tool(left: float, right: float, low: float) -> la.BlockAssembly:
+def _tool(left: float, right: float, low: float) -> "la.BlockAssembly":
     high = low + _HIGH
     return la.RigidBlock([(left, low), (right, low), (right, high), (left, high)])
 
 
-def largest(path: la.Path) -> float:
+def largest(path: "la.Path") -> float:
     """Of the forces on the way, over k t."""
     return float(path.history["force"].max()) / (_STRENGTH * THICK)
 

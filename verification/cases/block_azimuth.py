@@ -24,7 +24,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.shared.solids import on_floor, shaken
 
 
-def build(mu: float, b: float, h: float, psi: float) -> la.Problem:
+def build(mu: float, b: float, h: float, psi: float) -> "la.Problem":
     """Block and floor."""
     blocks = la.BlockAssembly3D(on_floor(b, h), mu)
     return shaken(blocks, ("floor",), (cos(psi), sin(psi), 0.0))

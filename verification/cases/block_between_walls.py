@@ -18,7 +18,7 @@ import lacore as la
 from verification.case import CLAMPED, Band, Case, Reference, Variant, rigid
 
 
-def build(mu: float, W: float, b: float, h: float) -> la.Problem:
+def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
     """Block and walls."""
     rectangle = la.masonry.rectangle
     blocks = la.BlockAssembly(

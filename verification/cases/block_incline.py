@@ -20,7 +20,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant, rigid
 
 
-def inclined(mu: float, beta: float, b: float, h: float) -> la.BlockAssembly:
+def inclined(mu: float, beta: float, b: float, h: float) -> "la.BlockAssembly":
     """A block on a slope; the origin is the middle of its base."""
     along, up = (cos(beta), sin(beta)), (-sin(beta), cos(beta))
 
@@ -36,7 +36,7 @@ def inclined(mu: float, beta: float, b: float, h: float) -> la.BlockAssembly:
     )
 
 
-def pushed(blocks: la.BlockAssembly, W: float, direction: tuple[float, float]) -> la.Problem:
+def pushed(blocks: "la.BlockAssembly", W: float, direction: tuple[float, float]) -> "la.Problem":
     """The block, pushed at its centroid."""
     return la.Problem(
         bodies={"blocks": blocks},
@@ -55,7 +55,7 @@ def stands(mu: float, b: float, h: float) -> bool:
     return mu * h < b
 
 
-def build(mu: float, beta: float, W: float, b: float, h: float, down: bool) -> la.Problem:
+def build(mu: float, beta: float, W: float, b: float, h: float, down: bool) -> "la.Problem":
     """Pushed along the slope."""
     side = -1 if down else 1
     return pushed(inclined(mu, beta, b, h), W, (side * cos(beta), side * sin(beta)))

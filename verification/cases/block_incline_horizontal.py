@@ -22,7 +22,7 @@ from verification.case import JAM, Band, Case, Reference, Variant, rigid
 from verification.cases.block_incline import inclined, pushed, stands
 
 
-def build(mu: float, beta: float, W: float, b: float, h: float) -> la.Problem:
+def build(mu: float, beta: float, W: float, b: float, h: float) -> "la.Problem":
     """Pushed horizontally at the centroid."""
     return pushed(inclined(mu, beta, b, h), W, (1, 0))
 

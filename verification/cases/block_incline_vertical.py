@@ -26,7 +26,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.block_incline import inclined
 
 
-def build(mu: float, beta: float, W: float, H: float, b: float, h: float) -> la.Problem:
+def build(mu: float, beta: float, W: float, H: float, b: float, h: float) -> "la.Problem":
     """Loaded at the centroid."""
     pull = [la.PointForce("blocks", "block", (-H, 0))] if H > 0 else []
     return la.Problem(

@@ -16,7 +16,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant, rigid
 
 
-def build(mu: float, W: float, b: float, h: float, y: float) -> la.Problem:
+def build(mu: float, W: float, b: float, h: float, y: float) -> "la.Problem":
     """Block and floor; W, alpha: forces per thickness."""
     blocks = la.BlockAssembly(
         {

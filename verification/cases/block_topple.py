@@ -18,7 +18,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant, rigid
 
 
-def build(mu: float, W: float, b: float, h: float) -> la.Problem:
+def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
     """Block and floor, reference load and dead load at the centroid."""
     blocks = la.BlockAssembly(
         {

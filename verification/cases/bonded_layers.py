@@ -42,10 +42,10 @@ _ERRORS = {
 }
 
 
-def build(nx: int, ny: int, ratio: float, below: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, below: float) -> "la.Problem":
     """The right half, graded towards the edge of the footing; `below` is the strength there."""
 
-    def layer(low: float, high: float, rows: int, strength: float) -> la.Body:
+    def layer(low: float, high: float, rows: int, strength: float) -> "la.Body":
         mesh = la.meshes.rectangle(
             x=(0, _WIDTH),
             y=(low, high),

@@ -32,7 +32,7 @@ _ERROR = Convergence(
 )
 
 
-def build(n_radial: int, n_angular: int, angle: float, dilation: float) -> la.Problem:
+def build(n_radial: int, n_angular: int, angle: float, dilation: float) -> "la.Problem":
     """The quarter; cohesion 1."""
     return quarter(n_radial, n_angular, angle, dilation, "plane_strain")
 

@@ -26,7 +26,7 @@ _STEPS = {"leapfrog": (0.021, 2), "explicit": (0.042, 1), "implicit-euler": (0.0
 _SAFETY = 1.3
 
 
-def build(n: int, angle: float, steps: int, scheme: str) -> la.Problem:
+def build(n: int, angle: float, steps: int, scheme: str) -> "la.Problem":
     """A row of quadrilaterals."""
     mesh = la.meshes.quadrilaterals(
         (INNER, OUTER), (0, HEIGHT), n, 1, grade_x=(INNER, OUTER / INNER)

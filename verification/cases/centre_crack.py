@@ -47,7 +47,7 @@ _ERRORS = {
 }
 
 
-def build(nx: int, ny: int, ratio: float, kinematics: str) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, kinematics: str) -> "la.Problem":
     """A quarter, graded towards the tip of the crack."""
     mesh = la.meshes.rectangle(
         x=(0, 1),
@@ -109,7 +109,7 @@ def order(kinematics: str) -> Order:
     )
 
 
-def sketch(axes: "Axes", problem: la.Problem) -> None:
+def sketch(axes: "Axes", problem: "la.Problem") -> None:
     """The cut, or the middle of the neck."""
     (body,) = problem.bodies.values()
     assert isinstance(body, la.Body)

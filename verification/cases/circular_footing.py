@@ -40,7 +40,7 @@ _ROUGH = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> la.Problem:
+def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> "la.Problem":
     """Graded towards the edge of the footing; k = 1."""
     mesh = la.meshes.rectangle(
         x=(0, WIDTH),

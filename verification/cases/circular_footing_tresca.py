@@ -44,7 +44,7 @@ _FRICTION = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> "la.Problem":
     """Graded towards the edge of the footing; cohesion 1."""
     width, depth = _BOX[angle]
     mesh = la.meshes.rectangle(

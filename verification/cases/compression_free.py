@@ -21,7 +21,7 @@ from verification.case import Band, Case, Reference, Variant, exact_patch
 from verification.cases.shared.tetrahedra import CLAY
 
 
-def build(n: int, space: str) -> la.Problem:
+def build(n: int, space: str) -> "la.Problem":
     """A unit cube, in n^3 cells of six tetrahedra."""
     mesh = la.meshes.box((0, 1), (0, 1), (0, 1), n, n, n)
     return la.Problem(

@@ -23,7 +23,7 @@ from verification.cases.shared.solids import HYPERSTATIC, certified, shaken
 FOUND = {0.5: (0.3061925, 0.3257414, 0.3332557), 0.6: (0.3462811, 0.3614233, 0.3726984)}
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """Walls of 4 and 3 blocks, 8 courses."""
     walls = la.masonry3d.corner((4, 3), 8, mu)
     return shaken(walls, ("base",), (0.0, 1.0, 0.0))

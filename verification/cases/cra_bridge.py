@@ -73,7 +73,7 @@ _MIDDLE = {  # the right half of an outline that is its own mirror image, from t
 _KEY = ((0.53059846, 1.47148216), (0.0, 1.5), (-0.53059846, 1.47148216))  # block 8, below
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """The bridge; its piers are held."""
     mirror = np.array([-1.0, 1.0])
     outlines = {}

@@ -26,7 +26,7 @@ VALUE, ASSOCIATED = 0.240979, 0.2582768
 MU = 0.6
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """The vault on fixed blocks below its lowest voussoirs."""
     vault = la.masonry3d.cross_vault(9, 0.9, 0.2, 1.2, mu)
     return shaken(vault, named(vault, "base"))

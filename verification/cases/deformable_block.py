@@ -51,7 +51,7 @@ STATES = {
 """Contact pressures of Coulomb states by friction coefficient, from the left end of the floor."""
 
 
-def build(n: int, mu: float) -> la.Problem:
+def build(n: int, mu: float) -> "la.Problem":
     """The block on square cells, n over its height: their diagonals hold the 45-degree cut."""
     mesh = la.meshes.rectangle(x=(0, LENGTH), y=(0, HEIGHT), nx=int(LENGTH / HEIGHT) * n, ny=n)
     return la.Problem(
@@ -67,7 +67,7 @@ def sliding_load(mu: float, pressures: Floats) -> float:
     return float(np.minimum(mu * pressures, K).mean() * LENGTH / HEIGHT)
 
 
-def admissible(mu: float, pressures: Floats) -> la.Problem:
+def admissible(mu: float, pressures: Floats) -> "la.Problem":
     """The block under all tractions of a Coulomb state, those of the floor among the loads.
 
     A load factor of 1 proves that an equilibrium stress within yield has these tractions. More is

@@ -32,7 +32,7 @@ _ERROR = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio: float, mu: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, mu: float) -> "la.Problem":
     """A quarter of the section, graded towards the edge of the platen; yield stress 1."""
     half = HEIGHT / 2
     mesh = la.meshes.rectangle(

@@ -25,7 +25,7 @@ _OCULUS = 0.05  # rad
 ASSOCIATED = {0.0428: 0.1860382}  # by thickness: no Coulomb load is above it
 
 
-def build(t: float, meridians: int, rings: int, mu: float) -> la.Problem:
+def build(t: float, meridians: int, rings: int, mu: float) -> "la.Problem":
     """A dome of radius 1 m on a ring of fixed blocks."""
     dome = la.masonry3d.dome(meridians, rings, 1.0, t, _OCULUS, mu)
     return shaken(dome, named(dome, "base"))

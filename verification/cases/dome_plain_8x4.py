@@ -20,7 +20,7 @@ VALUE, ASSOCIATED = 0.403809, 0.4094239
 MU = 0.5
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """A dome of radius 1 m on a ring of fixed blocks."""
     dome = la.masonry3d.dome(8, 4, 1.0, 0.15, 0.25, mu)
     return shaken(dome, named(dome, "base"))

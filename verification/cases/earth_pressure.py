@@ -60,7 +60,7 @@ def build(
     cohesion: float,
     weight: float,
     active: bool,
-) -> la.Problem:
+) -> "la.Problem":
     """Soil before the wall and under its bed, graded towards the toe; surcharge 1."""
     block = la.meshes.rectangle(
         x=(-THICKNESS, WIDTH),

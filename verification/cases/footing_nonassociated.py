@@ -30,7 +30,7 @@ from verification.cases import strip_footing
 from verification.cases.shared.friction_inside import UNFIT
 
 
-def build(nx: int, ny: int, ratio: float, angle: float, dilation: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, angle: float, dilation: float) -> "la.Problem":
     """The right half, as of `strip-footing`, in a space that is not strict by itself."""
     problem = strip_footing.build(nx, ny, ratio, angle, 0.0, 0.0)
     (mesh,) = (body.mesh for body in of_kind(problem.bodies, la.Body).values())

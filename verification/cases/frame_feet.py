@@ -20,7 +20,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases import portal_beam
 
 
-def build(mu: float, Mp: float, h: float, L: float) -> la.Problem:
+def build(mu: float, Mp: float, h: float, L: float) -> "la.Problem":
     """The portal of `portal-beam` without dead load."""
     return portal_beam.build(mu, 0.0, Mp, h, L)
 

@@ -32,7 +32,7 @@ _LADDERS = {
 _PEAKS = {law: peak(cylinder(LAWS[law], INNER, OUTER)) for law in ("linear-3", "voce")}
 
 
-def build(n: int, law: str, steps: int, scheme: str) -> la.Problem:
+def build(n: int, law: str, steps: int, scheme: str) -> "la.Problem":
     """A row of quadrilaterals; yield stress 1 at the beginning."""
     mesh = la.meshes.quadrilaterals(
         (INNER, OUTER), (0, HEIGHT), n, 1, grade_x=(INNER, OUTER / INNER)

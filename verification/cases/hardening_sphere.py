@@ -41,7 +41,7 @@ TRAVEL = 0.5
 _PEAKS = {law: peak(sphere(LAWS[law], INNER, OUTER)) for law in ("linear-3", "voce")}
 
 
-def build(n_radial: int, n_angular: int, law: str, steps: int, scheme: str) -> la.Problem:
+def build(n_radial: int, n_angular: int, law: str, steps: int, scheme: str) -> "la.Problem":
     """The quarter of the static case; yield stress 1 at the beginning."""
     static = thick_sphere.build(n_radial, n_angular, "q2")
     body = static.bodies["sphere"]

@@ -23,7 +23,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.shared.solids import on_floor
 
 
-def build(mu: float, beta: float) -> la.Problem:
+def build(mu: float, beta: float) -> "la.Problem":
     """Block and slope, z normal to it, y along the contour line, downhill along x."""
     blocks = la.BlockAssembly3D(on_floor(1.0, 0.2), mu)
     weight = 1 / 0.2

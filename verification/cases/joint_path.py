@@ -42,14 +42,14 @@ _ALLOWED = 1e-5
 
 def build(
     nx: int, ny: int, law: str, theta: float, q: float, slave: str, steps: int, scheme: str
-) -> la.Problem:
+) -> "la.Problem":
     """Yield stress 1 at the beginning; theta in degrees; one column more in the upper body."""
     height, drop = _height(theta), WIDTH * tan(radians(theta))
 
     def joint(x: Floats) -> Floats:
         return np.asarray(LOW + drop * (1 - x / WIDTH))
 
-    def body(columns: int, upper: bool) -> la.Body:
+    def body(columns: int, upper: bool) -> "la.Body":
         square = la.meshes.quadrilaterals((0, WIDTH), (0, 1), columns, ny)
         x, share = square.p
         low, high = (joint(x), height) if upper else (0.0, joint(x))

@@ -39,7 +39,7 @@ _ERRORS = {
 }
 
 
-def build(nx: int, ny: int, ratio: float, slenderness: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, slenderness: float) -> "la.Problem":
     """The right half, graded towards the edge of the footing; `slenderness` is B/H."""
     depth = WIDTH / slenderness
     mesh = la.meshes.rectangle(

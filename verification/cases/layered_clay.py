@@ -43,7 +43,7 @@ _CONVERGENCE = {
 }
 
 
-def build(nx: int, ny: int, ratio: float, below: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, below: float) -> "la.Problem":
     """The right half, cells graded towards the edge of the footing."""
     width, depth = _BOX[below]
     layers = {"upper": (-0.5, 0.0), "lower": (-depth, -0.5)}

@@ -41,7 +41,7 @@ _CRUSHED = Convergence(
 )
 
 
-def build(n: int, height: float, guided: bool, crushing: bool) -> la.Problem:
+def build(n: int, height: float, guided: bool, crushing: bool) -> "la.Problem":
     """Even cells, n in the width."""
     mesh = la.meshes.rectangle(x=(0, 1), y=(0, height), nx=n, ny=round(n * height))
     panel = la.Body(mesh, la.NoTension(1.0 if crushing else None), kinematics="plane_stress")

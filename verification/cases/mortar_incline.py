@@ -24,7 +24,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 
 def build(
     mu: float, adhesion: float, share: float, beta: float, W: float, b: float, h: float, off: bool
-) -> la.Problem:
+) -> "la.Problem":
     """The origin is the middle of the bed; `share`: of the apex c_a/mu, the strength in tension."""
     along, across = (cos(beta), sin(beta)), (-sin(beta), cos(beta))
 

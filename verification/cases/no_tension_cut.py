@@ -39,7 +39,7 @@ _UNFIT = {
 }
 
 
-def build(n: int, angle: float, ratio: float = 0.0) -> la.Problem:
+def build(n: int, angle: float, ratio: float = 0.0) -> "la.Problem":
     """Soil beside the face; even cells, as graded ones leave the certificate its bar sooner.
 
     With a `ratio` cells are graded towards the toe.

@@ -36,7 +36,7 @@ NOTCH, LENGTH = 0.5, 2.0  # half the width is 1; half the length
 _ERROR = Convergence(1.033, 0.543, "36 to 4624 elements: 17.1, 5.90, 3.04, 1.92, 1.14 % above")
 
 
-def build(nx: int, ny: int, ratio: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float) -> "la.Problem":
     """A quarter, graded towards the tip of the notch."""
     mesh = la.meshes.rectangle(
         x=(0, 1),

@@ -34,7 +34,7 @@ _ERRORS = {
 }
 
 
-def build(nx: int, ny: int, ratio: float, h: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, h: float) -> "la.Problem":
     """A quarter, graded towards the edge of the punch; beyond it 1 + h of the strip."""
     mesh = la.meshes.rectangle(
         x=(0, 2 + h), y=(0, h), nx=nx, ny=ny, grade_x=(1.0, ratio * (1 + h)), grade_y=(h, ratio * h)

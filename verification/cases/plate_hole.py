@@ -42,7 +42,7 @@ _ERROR = Convergence(
 )
 
 
-def build(n_radial: int, n_angular: int, ratio: float) -> la.Problem:
+def build(n_radial: int, n_angular: int, ratio: float) -> "la.Problem":
     """The quarter, yield stress 1: load factors are in units of s0."""
     body = la.Body(
         _quarter(n_radial, n_angular, ratio),

@@ -41,7 +41,7 @@ _STICK = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio: float, mu: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, mu: float) -> "la.Problem":
     """The quarter, graded towards the edge of the platen."""
     mesh = la.meshes.rectangle(
         x=(0, WIDTH), y=(0, HEIGHT), nx=nx, ny=ny, grade_x=(WIDTH, ratio), grade_y=(HEIGHT, ratio)

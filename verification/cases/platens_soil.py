@@ -29,7 +29,7 @@ _DAVIS = {20.0: 12.4155, 0.0: 8.17611}
 _ERROR = Convergence(2.97, 0.68, "32 to 512 elements: 29.3, 15.5, 10.5, 6.3, 4.4 % above 13.47")
 
 
-def build(nx: int, ny: int, ratio: float, dilation: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, dilation: float) -> "la.Problem":
     """The quarter, graded towards the edge of the platen."""
     mesh = la.meshes.rectangle(
         x=(0, 1), y=(0, 0.5), nx=nx, ny=ny, grade_x=(1.0, ratio), grade_y=(0.5, ratio)

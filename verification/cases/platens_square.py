@@ -37,7 +37,7 @@ _ERROR = Convergence(
 )
 
 
-def build(n: int, mu: float) -> la.Problem:
+def build(n: int, mu: float) -> "la.Problem":
     """The quarter on n x n square cells."""
     mesh = la.meshes.rectangle(x=(0, SIDE), y=(0, SIDE), nx=n, ny=n)
     return la.Problem(
@@ -78,7 +78,7 @@ def order(mu: float) -> Order | None:
     return None
 
 
-def sketch(axes: "Axes", problem: la.Problem) -> None:
+def sketch(axes: "Axes", problem: "la.Problem") -> None:
     """The cut."""
     axes.plot([0, SIDE], [0, SIDE], color="#7a6a3a", lw=1.0, ls=(0, (5, 3)), zorder=3.5)
 

@@ -21,7 +21,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.portal_sway import WEAK, portal
 
 
-def build(mu: float, P: float, Mp: float, h: float, L: float) -> la.Problem:
+def build(mu: float, P: float, Mp: float, h: float, L: float) -> "la.Problem":
     """Dead load P on each column, alpha at mid-span."""
     frame, feet = portal(mu, Mp, h, L)
     dead = [la.PointForce("portal", node, (0, -P)) for node in ("B", "C")] if P > 0 else []

@@ -18,7 +18,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant, rigid
 
 
-def build(P: float, Np: float, Mp: float, h: float, L: float) -> la.Problem:
+def build(P: float, Np: float, Mp: float, h: float, L: float) -> "la.Problem":
     """Dead load P on each column, alpha at beam level."""
     column = la.sections.Section(((-Np, 0.0), (0.0, Mp), (Np, 0.0)), "column")
     frame = la.Frame(

@@ -20,7 +20,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant, rigid
 
 
-def portal(mu: float, Mp: float, h: float, L: float) -> tuple[la.Frame, list[la.Interface]]:
+def portal(mu: float, Mp: float, h: float, L: float) -> "tuple[la.Frame, list[la.Interface]]":
     """The frame, its corners at height h and a node at mid-span, and its feet on the floor."""
     frame = la.Frame(
         nodes={"A": (0, 0), "B": (0, h), "M": (L / 2, h), "C": (L, h), "D": (L, 0)},
@@ -31,7 +31,7 @@ def portal(mu: float, Mp: float, h: float, L: float) -> tuple[la.Frame, list[la.
     return frame, [la.Interface(("portal", foot), floor, mu) for foot in ("A", "D")]
 
 
-def build(mu: float, P: float, Mp: float, h: float, L: float) -> la.Problem:
+def build(mu: float, P: float, Mp: float, h: float, L: float) -> "la.Problem":
     """Dead load P on each column, alpha at beam level."""
     frame, feet = portal(mu, Mp, h, L)
     return la.Problem(

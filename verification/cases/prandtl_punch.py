@@ -53,7 +53,7 @@ _LADDER = tuple(
 )
 
 
-def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> la.Problem:
+def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> "la.Problem":
     """The right half, graded towards the edge of the footing."""
     mesh = la.meshes.rectangle(
         x=(0, 4), y=(-2, 0), nx=nx, ny=ny, grade_x=(1.0, ratio_x), grade_y=(0.0, ratio_y)
@@ -106,7 +106,7 @@ def order(rough: bool) -> Order:
     )
 
 
-def sketch(axes: "Axes", problem: la.Problem) -> None:
+def sketch(axes: "Axes", problem: "la.Problem") -> None:
     """The three zones."""
     turn = np.linspace(-3 * pi / 4, -pi / 4, 40)
     fan_x, fan_y = 1 + sqrt(2) * np.cos(turn), sqrt(2) * np.sin(turn)

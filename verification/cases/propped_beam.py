@@ -18,7 +18,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant, rigid
 
 
-def build(right: str, Mp: float, L: float) -> la.Problem:
+def build(right: str, Mp: float, L: float) -> "la.Problem":
     """One member, no node in between."""
     beam = la.Frame({"A": (0, 0), "B": (L, 0)}, {"beam": ("A", "B")}, plastic_moment=Mp)
     return la.Problem(

@@ -22,7 +22,7 @@ LOWER, UPPER, HEIGHT = 6.0, 4.0, 1.0  # widths of the blocks, and their height
 STOP = (0.25, 0.75)  # of the height of the upper block: where it touches the stop
 
 
-def build(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> la.Problem:
+def build(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> "la.Problem":
     """Two blocks and the stop."""
     rectangle = la.masonry.rectangle
     low, high = (HEIGHT * (1 + part) for part in STOP)

@@ -33,7 +33,7 @@ _TRAVEL = 1.0
 
 def build(
     nx: int, ny: int, ratio_x: float, ratio_y: float, law: str, rough: bool, steps: int, scheme: str
-) -> la.Problem:
+) -> "la.Problem":
     """The half of the static case; yield stress 1 at the beginning."""
     static = prandtl_punch.build(nx, ny, ratio_x, ratio_y, rough)
     soil = static.bodies["soil"]

@@ -28,7 +28,7 @@ LOW, HIGH = 5.1562, 5.5852
 _ERROR = Convergence(0.397, 0.299, "48, 288, 864 tetrahedra: 12.5, 7.71, 5.24 % above")
 
 
-def build(n: int, layers: int = 0, width: float = WIDTH, depth: float = DEPTH) -> la.Problem:
+def build(n: int, layers: int = 0, width: float = WIDTH, depth: float = DEPTH) -> "la.Problem":
     """The quarter; an even n, half of it in depth or `layers`, two more along its length."""
     mesh = la.meshes.box(
         *((0, width), (0, LENGTH + width - 1), (-depth, 0)),

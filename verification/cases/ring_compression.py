@@ -32,7 +32,7 @@ _PLATEN = la.RigidObstacle((0, HEIGHT), (0, -1))
 _STEPS = 0.08  # relative error of leapfrog loads and of the bore times the square of their number
 
 
-def build(nr: int, nz: int, mu: float, law: str, steps: int, scheme: str) -> la.Problem:
+def build(nr: int, nz: int, mu: float, law: str, steps: int, scheme: str) -> "la.Problem":
     """Half of the height, in triangles; yield stress 1 at the beginning."""
     mesh = la.meshes.rectangle((BORE, OUTSIDE), (0, HEIGHT), nr, nz)
     body = la.Body(mesh, la.VonMises(hardening=LAWS[law]), "axisymmetric", "p2-gauss")
@@ -60,7 +60,7 @@ def path(mu: float, law: str, steps: int, scheme: str) -> Following:
     )
 
 
-def bore(path: la.Path) -> float:
+def bore(path: "la.Path") -> float:
     """Present radius of the bore at mid-height, of the initial one."""
     before, after = (path.snapshots[n].configuration.nodes["ring"] for n in (0, -1))
     node = int(np.argmin(np.hypot(before[0] - BORE, before[1])))

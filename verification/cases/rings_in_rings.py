@@ -26,10 +26,10 @@ JOINT = 1.5  # m, the radius at which the two tubes touch
 _VOLUME = 0.02  # of a step of leapfrog, as in the case of one tube
 
 
-def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> la.Problem:
+def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> "la.Problem":
     """Half of n columns for each tube; the outer one has its own number of rows."""
 
-    def tube(inner: float, outer: float, ny: int) -> la.Body:
+    def tube(inner: float, outer: float, ny: int) -> "la.Body":
         mesh = la.meshes.quadrilaterals(
             (inner, outer), (0, HEIGHT), n // 2, ny, grade_x=(inner, outer / inner)
         )

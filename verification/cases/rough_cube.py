@@ -27,7 +27,7 @@ _ERRORS = {
 }
 
 
-def build(n: int, space: str) -> la.Problem:
+def build(n: int, space: str) -> "la.Problem":
     """A sixteenth of a unit cube; yield stress 1."""
     mesh = eighth(la.meshes.box((0, 0.5), (0, 0.5), (0, 0.5), n, n, n))
     cube = la.Body(mesh, la.VonMises(yield_stress=1.0), kinematics="3d", space=space)

@@ -23,7 +23,7 @@ WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
 _ERROR = Convergence(0.862, 0.715, "32 to 4640 elements: 7.74, 2.22, 0.86, 0.42, 0.23 % above")
 
 
-def build(nx: int, ny: int, ratio: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float) -> "la.Problem":
     """The quarter, graded towards the edge of the platen."""
     mesh = la.meshes.rectangle(
         x=(0, WIDTH), y=(0, HEIGHT), nx=nx, ny=ny, grade_x=(WIDTH, ratio), grade_y=(HEIGHT, ratio)

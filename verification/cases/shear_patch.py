@@ -33,7 +33,7 @@ from verification.cases.shared.shear_zones import least_friction
 WIDTH, K = 2.0, 1.0
 
 
-def build(nx: int, ny: int, mu: float, p0: float) -> la.Problem:
+def build(nx: int, ny: int, mu: float, p0: float) -> "la.Problem":
     """The block, its cells as steep as the slip lines."""
     slope = tan(asin(p0 / (2 * K)) / 2)
     mesh = la.meshes.rectangle(x=(0, WIDTH), y=(0, WIDTH / nx * slope * ny), nx=nx, ny=ny)

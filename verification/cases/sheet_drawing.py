@@ -61,7 +61,7 @@ def force(process: str, angle: float) -> float:
     return 2 * STRENGTH * r * (1 + radians(angle)) * face
 
 
-def build(ny: int, process: str, angle: float, steps: int, scheme: str) -> la.Problem:
+def build(ny: int, process: str, angle: float, steps: int, scheme: str) -> "la.Problem":
     """The upper half of a sheet in a die that is full."""
     body = la.Body(_sheet(ny, process, angle), la.VonMises(shear_strength=STRENGTH))
     moved = "right" if process == "drawing" else "left"
@@ -78,7 +78,7 @@ def _touching(process: str) -> list[str]:
     return ["on face"] if process == "drawing" else ["before", "on face"]
 
 
-def _contact(side: str, process: str, angle: float) -> la.Interface:
+def _contact(side: str, process: str, angle: float) -> "la.Interface":
     return la.Interface(("sheet", side), die(process, angle), friction=0.0)
 
 
@@ -125,7 +125,7 @@ def _travel(process: str, angle: float) -> float:
     return _GENTLE_TRAVEL if angle < _GENTLE else _TRAVEL[process]
 
 
-def die(process: str, angle: float) -> la.RigidObstacle:
+def die(process: str, angle: float) -> "la.RigidObstacle":
     """Its face and, in extrusion, the container; behind its end the sheet is free."""
     low = HEIGHT * (1 - reduction(angle))
     end = _length(angle)
@@ -139,7 +139,7 @@ def die(process: str, angle: float) -> la.RigidObstacle:
     return la.RigidObstacle(shape=la.shapes.outline([*behind, *container]))
 
 
-def steady_force(path: la.Path) -> float:
+def steady_force(path: "la.Path") -> float:
     """Mean of the forces of the second half of the steps."""
     forces = path.history["force"]
     return float(forces[len(forces) // 2 :].mean())

@@ -37,10 +37,10 @@ _STEPS, _SAFETY = 0.036, 1.1
 
 def build(
     n_radial: int, n_angular: int, law: str, outer: int, slave: str, steps: int, scheme: str
-) -> la.Problem:
+) -> "la.Problem":
     """Half of n_radial elements across each shell, `outer` of 8 along the outer one."""
 
-    def shell(low: float, high: float, along: int) -> la.Body:
+    def shell(low: float, high: float, along: int) -> "la.Body":
         cells = la.meshes.quadrilaterals(
             (low, high), (0, pi / 2), n_radial // 2, along, grade_x=(low, high / low)
         )

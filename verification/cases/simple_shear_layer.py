@@ -30,7 +30,7 @@ _OTHERS = 0.2  # below: found are 15 % at 30 degrees on 64 triangles, 3 % on 512
 _NEAR = 0.01  # above: found are 7e-4
 
 
-def build(nx: int, ny: int, angle: float, dilation: float) -> la.Problem:
+def build(nx: int, ny: int, angle: float, dilation: float) -> "la.Problem":
     """The layer."""
     mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=nx, ny=ny)
     soil = la.MohrCoulomb(C, angle, dilation_angle=dilation)

@@ -44,7 +44,7 @@ _FITTED = Convergence(
 )
 
 
-def build(n: int, rough: bool, space: str, mesh: str = "box") -> la.Problem:
+def build(n: int, rough: bool, space: str, mesh: str = "box") -> "la.Problem":
     """Half of the slab, with a vertex row under the edge of the footing.
 
     A fitted mesh, of a smooth footing, has n sectors in its fan.

@@ -53,7 +53,7 @@ _FITTED = Convergence(
 _BOX = {False: (4.0, 1.6), True: (6.6, 3.2)}  # length and depth: rough footings take the larger
 
 
-def build(n: int, rough: bool, space: str, mesh: str = "box") -> la.Problem:
+def build(n: int, rough: bool, space: str, mesh: str = "box") -> "la.Problem":
     """Half of the slab, with a vertex row under the edge of the footing; cohesion 1.
 
     A fitted mesh, of a smooth footing, has n sectors in its fan.

@@ -34,7 +34,7 @@ _GENTLE = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio: float, slope: float, angle: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, slope: float, angle: float) -> "la.Problem":
     """Soil around the toe at the origin, graded towards it."""
     mesh = mesh_of_slope(nx, ny, ratio, slope)
     return la.Problem(

@@ -39,7 +39,7 @@ _DRAWN_DOWN = (7.1989, 7.2388)
 _ERROR = Convergence(10.4, 0.88, "as of `slope-phi`, 40 to 1368 elements: 27 to 1.8 % above")
 
 
-def build(nx: int, ny: int, ratio: float, level: float, pool: bool) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, level: float, pool: bool) -> "la.Problem":
     """Soil around the toe at the origin, with water up to a level, and in front of it, or not."""
     row = level if level < 1 else 0.0
     mesh = mesh_of_slope(nx, ny, ratio, _SLOPE, row)

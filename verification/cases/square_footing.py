@@ -36,7 +36,7 @@ KNOWN = {False: (5.129, 5.291), True: (5.3869, 5.6071)}
 
 def build(
     n: int, rough: bool, width: float = WIDTH, depth: float = DEPTH, ratio: float = 1.0
-) -> la.Problem:
+) -> "la.Problem":
     """The eighth; an even n, half of it in depth, graded towards the edges of the footing."""
     edge = (1.0, ratio)
     mesh = la.meshes.box((0, width), (0, width), (-depth, 0), n, n, n // 2, False, edge, edge)

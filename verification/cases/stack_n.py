@@ -28,7 +28,7 @@ def _frictions(n: int, mu_1: float, mu_n: float) -> list[float]:
     return [mu_1 + (mu_n - mu_1) * i / max(n - 1, 1) for i in range(n)]
 
 
-def build(n: int, mu_1: float, mu_n: float, b: float, h: float) -> la.Problem:
+def build(n: int, mu_1: float, mu_n: float, b: float, h: float) -> "la.Problem":
     """Blocks of unit weight per area."""
     names = ["base", *(str(i + 1) for i in range(n))]
     frictions = _frictions(n, mu_1, mu_n)

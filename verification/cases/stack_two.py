@@ -18,7 +18,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 
 def build(
     mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lower: bool
-) -> la.Problem:
+) -> "la.Problem":
     """Two equal blocks b x h of different weight; the reference load at the centroid of one."""
     blocks = la.masonry.stack([(b, h), (b, h)], mu2, {("base", "1"): mu1})
     return la.Problem(

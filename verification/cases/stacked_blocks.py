@@ -31,10 +31,10 @@ _ALLOWED = 1e-5
 _UNIFORM = 1e-3  # of the mean strain: velocities are known to the root of what loads are
 
 
-def build(nx: int, law: str, mu: float, slave: str, steps: int, scheme: str) -> la.Problem:
+def build(nx: int, law: str, mu: float, slave: str, steps: int, scheme: str) -> "la.Problem":
     """Half of the stack; yield stress 1 at the beginning; three columns for two of the lower."""
 
-    def block(low: float, high: float, columns: int) -> la.Body:
+    def block(low: float, high: float, columns: int) -> "la.Body":
         mesh = la.meshes.quadrilaterals((0, WIDTH), (low, high), columns, 1)
         return la.Body(mesh, la.VonMises(hardening=LAWS[law]), space="q2")
 
@@ -52,7 +52,7 @@ def build(nx: int, law: str, mu: float, slave: str, steps: int, scheme: str) -> 
     )
 
 
-def spread(path: la.Path) -> float:
+def spread(path: "la.Path") -> float:
     """Largest less least strain in both blocks at the end, of their mean."""
     strains = path.snapshots[-1].configuration.strain
     low = min(float(own.min()) for own in strains.values())

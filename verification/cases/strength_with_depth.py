@@ -48,7 +48,7 @@ _CONVERGENCE = {
 """On 96, 240, 640, 1344 and 3168 elements."""
 
 
-def build(nx: int, ny: int, ratio: float, rho: float, rough: bool) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, rho: float, rough: bool) -> "la.Problem":
     """The right half, graded towards the edge of the footing."""
     mesh = la.meshes.rectangle(
         x=(0, 1.5), y=(-1.0, 0), nx=nx, ny=ny, grade_x=(0.5, ratio), grade_y=(0.0, ratio)

@@ -50,7 +50,7 @@ _STEEP = Convergence(
 
 def build(
     nx: int, ny: int, ratio: float, angle: float, surcharge: float, weight: float
-) -> la.Problem:
+) -> "la.Problem":
     """The right half, in a box that holds the mechanism."""
     width, depth = _box(angle)
     mesh = la.meshes.rectangle(

@@ -52,7 +52,7 @@ _ROUGH = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> "la.Problem":
     """The right half, graded towards the edge; with half width and weight 1 alpha is N_gamma."""
     width, depth = _BOX[angle]
     mesh = la.meshes.rectangle(

@@ -19,7 +19,7 @@ from verification.case import Band, Case, Reference, Variant
 from verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
 
 
-def build(assembly: str, mu: float) -> la.Problem:
+def build(assembly: str, mu: float) -> "la.Problem":
     """One of the assemblies."""
     return ASSEMBLIES[assembly].build(mu)
 

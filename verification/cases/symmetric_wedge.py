@@ -27,7 +27,7 @@ from verification.case import JAM, Band, Case, Reference, Variant, rigid
 GAP, LENGTH, TIP, TOP = 0.5, 4.0, 0.2, 0.6  # half gap, length of a block, ends of the faces
 
 
-def between_blocks(mu: float, mu_f: float, beta: float) -> la.BlockAssembly:
+def between_blocks(mu: float, mu_f: float, beta: float) -> "la.BlockAssembly":
     """Floor, two blocks, and the wedge in the gap between them."""
     right = [
         (GAP, 0.0),
@@ -50,8 +50,8 @@ def between_blocks(mu: float, mu_f: float, beta: float) -> la.BlockAssembly:
 
 
 def wedged(
-    blocks: la.BlockAssembly, weights: dict[str, float], direction: tuple[float, float]
-) -> la.Problem:
+    blocks: "la.BlockAssembly", weights: dict[str, float], direction: tuple[float, float]
+) -> "la.Problem":
     """The wedge loaded at its centroid, the floor fixed, and what weighs nothing with it."""
     return la.Problem(
         bodies={"blocks": blocks},
@@ -61,7 +61,7 @@ def wedged(
     )
 
 
-def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> la.Problem:
+def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> "la.Problem":
     """Pushed down."""
     weights = {"left": Wb, "right": Wb, "wedge": W}
     return wedged(between_blocks(mu, mu_f, beta), weights, (0, -1))

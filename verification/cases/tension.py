@@ -29,7 +29,7 @@ _STEPS = 0.185  # relative error of leapfrog forces times the square of their nu
 _ROUND_OFF = 1e-8
 
 
-def build(nx: int, ny: int, law: str, steps: int, scheme: str) -> la.Problem:
+def build(nx: int, ny: int, law: str, steps: int, scheme: str) -> "la.Problem":
     """A quarter of the bar in triangles; yield stress 1 at the beginning."""
     mesh = la.meshes.rectangle((0, LENGTH), (0, HEIGHT), nx, ny, crossed=False)
     return la.Problem(
@@ -62,7 +62,7 @@ def path(law: str, steps: int, scheme: str) -> Following:
     )
 
 
-def spread(path: la.Path) -> float:
+def spread(path: "la.Path") -> float:
     """Largest less smallest equivalent strain at the end, per mean."""
     strains = path.snapshots[-1].configuration.strain.values()
     values = np.concatenate([each.ravel() for each in strains])

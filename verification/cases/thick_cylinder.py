@@ -32,7 +32,7 @@ _ERROR = Convergence(
 )
 
 
-def build(n_radial: int, n_angular: int) -> la.Problem:
+def build(n_radial: int, n_angular: int) -> "la.Problem":
     """The quarter; yield stress 1, so the load factor is in units of s0."""
     mesh = la.meshes.quarter_ring(INNER, OUTER, n_radial, n_angular, grade=OUTER / INNER)
     return la.Problem(

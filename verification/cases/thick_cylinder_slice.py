@@ -33,7 +33,7 @@ _ERRORS = {
 }
 
 
-def build(nx: int, ny: int, mesh: str) -> la.Problem:
+def build(nx: int, ny: int, mesh: str) -> "la.Problem":
     """The slice; yield stress 1, so the load factor is in units of s0."""
     sides = (INNER, OUTER), (0, HEIGHT), nx, ny
     if mesh == "quadrilaterals":

@@ -30,7 +30,7 @@ _ERROR = Convergence(
 _TRIANGLES = 3e-6  # twice the largest of 32 to 4896 triangles, 1.5e-6 at 72
 
 
-def build(n_radial: int, n_angular: int, space: str) -> la.Problem:
+def build(n_radial: int, n_angular: int, space: str) -> "la.Problem":
     """The quarter; yield stress 1, so the load factor is in units of s0."""
     make = la.meshes.quadrilaterals if space == "q2" else la.meshes.rectangle
     cells = make((INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER))

@@ -26,7 +26,7 @@ _ERROR = Convergence(
 )
 
 
-def build(across: int, through: int) -> la.Problem:
+def build(across: int, through: int) -> "la.Problem":
     """An eighth; yield stress 1, so the load factor is in units of s0."""
     mesh = hollow_octant(INNER, OUTER, across, through)
     sphere = la.Body(mesh, la.VonMises(yield_stress=1.0), kinematics="3d")

@@ -23,7 +23,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.shared.solids import on_floor, shaken
 
 
-def build(mu: float, b: float, h: float, depth: float) -> la.Problem:
+def build(mu: float, b: float, h: float, depth: float) -> "la.Problem":
     """Pier and floor; its weight per volume is 1."""
     strength = b * h / depth  # W/(a b), W = b b h
     blocks = la.BlockAssembly3D(on_floor(b, h), mu, crushing=la.Crushing(strength, divisions=3))

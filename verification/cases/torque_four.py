@@ -23,7 +23,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.shared.solids import on_floor
 
 
-def build(mu: float, b: float) -> la.Problem:
+def build(mu: float, b: float) -> "la.Problem":
     """A couple of horizontal forces at two sides of the block, 1 N m per load factor."""
     blocks = la.BlockAssembly3D(on_floor(b, 0.5), mu)
     arm = b / 2

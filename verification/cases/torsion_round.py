@@ -23,7 +23,7 @@ from verification.case import EXACT, Band, Case, First, Reference, Variant
 from verification.cases.shared.tetrahedra import CLAY, disc
 
 
-def build(sides: int, rings: int) -> la.Problem:
+def build(sides: int, rings: int) -> "la.Problem":
     """A bar of radius 1 m, half as long."""
     mesh = la.meshes.extruded(disc(sides, rings), (0, 0.5), 1)
     return la.Problem(

@@ -30,7 +30,7 @@ _ACROSS = Convergence(
 )
 
 
-def build(n: int, ridges: bool) -> la.Problem:
+def build(n: int, ridges: bool) -> "la.Problem":
     """A bar as long as half its side."""
     half = SIDE / 2
     mesh = la.meshes.box((-half, half), (-half, half), (0, half), 2 * n, 2 * n, n, ridges)

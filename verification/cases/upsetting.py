@@ -32,7 +32,7 @@ _PLATEN = la.RigidObstacle((0, HEIGHT), (0, -1))
 _TRAVEL, _ROUGH_TRAVEL = 0.25, 0.1
 
 
-def build(nx: int, ny: int, mu: float, law: str, steps: int, scheme: str) -> la.Problem:
+def build(nx: int, ny: int, mu: float, law: str, steps: int, scheme: str) -> "la.Problem":
     """The quarter, graded towards the edge of the platen; yield stress 1 at the beginning."""
     mesh = la.meshes.rectangle(
         (0, WIDTH), (0, HEIGHT), nx, ny, grade_x=(WIDTH, 3.0), grade_y=(HEIGHT, 3.0)

@@ -33,12 +33,12 @@ _VOLUME = 1e-9  # of a step: exact backends leave up to 3e-10 of the strain of a
 _ALLOWED = 1e-7  # a case of one body asks for 1e-8; rigid blocks add unknowns and tolerances
 
 
-def build(nx: int, law: str, moving: str, steps: int, scheme: str) -> la.Problem:
+def build(nx: int, law: str, moving: str, steps: int, scheme: str) -> "la.Problem":
     """Half of the block in triangles; yield stress 1 at the beginning."""
     half = HEIGHT / 2
     mesh = la.meshes.rectangle((0, WIDTH), (-half, half), nx, nx)
 
-    def platen(low: float) -> la.BlockAssembly:
+    def platen(low: float) -> "la.BlockAssembly":
         corners = [(-WIDTH, low), (3 * WIDTH, low), (3 * WIDTH, low + 0.2), (-WIDTH, low + 0.2)]
         return la.RigidBlock(corners)
 

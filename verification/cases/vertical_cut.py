@@ -27,7 +27,7 @@ from verification.case.bracketing import Bracketing
 _ERROR = Convergence(2.671, 0.707, "32 to 4744 elements: 22.7, 6.50, 3.00, 1.39, 0.64 % above")
 
 
-def build(nx: int, ny: int, ratio: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float) -> "la.Problem":
     """Soil around the toe at the origin, graded towards it; nx by ny cells before the cut."""
     block = la.meshes.rectangle(
         x=(-1, 1.6), y=(-0.7, 1), nx=nx, ny=ny, grade_x=(0.0, ratio), grade_y=(0.0, ratio)

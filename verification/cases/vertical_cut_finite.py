@@ -33,7 +33,7 @@ def build(
     layers: int = 0,
     width: float = WIDTH,
     ratio: float = 0.0,
-) -> la.Problem:
+) -> "la.Problem":
     """Half of the length, in cells of six tetrahedra; graded by `ratio` towards the end.
 
     Along all edges there are n cells, or `rows` along the length and `layers` in height.

@@ -35,7 +35,7 @@ _STEEP = Convergence(
 )
 
 
-def build(nx: int, ny: int, ratio: float, angle: float) -> la.Problem:
+def build(nx: int, ny: int, ratio: float, angle: float) -> "la.Problem":
     """Soil around the toe at the origin, graded towards it; nx by ny cells before the cut."""
     block = la.meshes.rectangle(
         x=(-1, 1.6), y=(-0.7, 1), nx=nx, ny=ny, grade_x=(0.0, ratio), grade_y=(0.0, ratio)

@@ -24,7 +24,7 @@ from verification.cases.shared.walls import HAND, HYPERSTATIC, MU, WALL_1, band,
 LOW, HIGH, ASSOCIATED = 0.638982, 0.642859, 0.642859
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """The wall."""
     return wall(WALL_1, mu)
 

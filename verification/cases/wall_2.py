@@ -24,7 +24,7 @@ from verification.cases.shared.walls import HAND, HYPERSTATIC, MU, WALL_2, band,
 LOW, HIGH, ASSOCIATED = 0.557416, 0.577201, 0.579999
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """The wall."""
     return wall(WALL_2, mu)
 

@@ -30,7 +30,7 @@ from verification.cases.shared.walls import HAND, HYPERSTATIC, MU, WALL_3, band,
 LOW, HIGH, ASSOCIATED = 0.355817, 0.379385, 0.403694
 
 
-def build(mu: float) -> la.Problem:
+def build(mu: float) -> "la.Problem":
     """The wall."""
     return wall(WALL_3, mu)
 

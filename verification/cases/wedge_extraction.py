@@ -22,7 +22,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.symmetric_wedge import GAP, LENGTH, TIP, between_blocks, wedged
 
 
-def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> la.Problem:
+def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> "la.Problem":
     """Pulled up."""
     weights = {"left": Wb, "right": Wb, "wedge": W}
     return wedged(between_blocks(mu, mu_f, beta), weights, (0, 1))

@@ -20,7 +20,7 @@ from verification.case import Band, Case, Reference, Variant, rigid
 from verification.cases.symmetric_wedge import between_blocks, wedged
 
 
-def build(mu: float, beta: float, W: float, down: bool) -> la.Problem:
+def build(mu: float, beta: float, W: float, down: bool) -> "la.Problem":
     """The blocks of `symmetric-wedge`, fixed."""
     return wedged(between_blocks(mu, mu, beta), {"wedge": W}, (0, -1 if down else 1))
 

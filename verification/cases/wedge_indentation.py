@@ -34,7 +34,7 @@ _CELLS = 0.45  # largest relative error of the force times the number of cells a
 
 def build(
     start: float, half_angle: float, friction: float, cells: int, steps: int, scheme: str
-) -> la.Problem:
+) -> "la.Problem":
     """The right half before it is touched, with cells of `start` steps where it will be."""
     mesh = Columns(half_angle, cells, start * TRAVEL / steps).first()
     return la.Problem(
@@ -89,7 +89,7 @@ def _ratio(half_angle: float) -> Reading:
     )
 
 
-def _last(path: la.Path) -> float:
+def _last(path: "la.Path") -> float:
     last = path.history.iloc[-1]
     return float(last["force"] / last["travel"])
 

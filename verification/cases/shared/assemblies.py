@@ -52,12 +52,12 @@ def _of_case(case: Case, frictions: tuple[str, ...], **parameters: Any) -> Assem
     )
 
 
-def _unknown(build: Callable[[float], la.Problem]) -> Assembly:
+def _unknown(build: "Callable[[float], la.Problem]") -> Assembly:
     """An assembly that is shaken: alpha is in weights."""
     return Assembly(build, lambda mu: UNKNOWN, lambda mu: rigid(1.0))
 
 
-def three_blocks(mu: float) -> la.Problem:
+def three_blocks(mu: float) -> "la.Problem":
     """A lintel on two columns on a floor, `shaken`."""
     rectangle = la.masonry.rectangle
     return shaken(
@@ -73,7 +73,7 @@ def three_blocks(mu: float) -> la.Problem:
     )
 
 
-def arch(voussoirs: int, mu: float) -> la.Problem:
+def arch(voussoirs: int, mu: float) -> "la.Problem":
     """A semicircular arch, a quarter as thick as its inner radius, `shaken`."""
     return shaken(la.masonry.arch(voussoirs, 1.0, 0.25, mu), ("left", "right"))
 

@@ -33,7 +33,7 @@ b/a = 2:      alpha = 1.386294 s0
 
 def quarter(
     n_radial: int, n_angular: int, angle: float, dilation: float, kinematics: str
-) -> la.Problem:
+) -> "la.Problem":
     """A quarter of a tube (plane strain) or a sphere (axisymmetric), curved, cohesion 1."""
     flat = la.meshes.rectangle(
         (INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER)

@@ -46,6 +46,6 @@ def mesh_of_slope(nx: int, ny: int, ratio: float, slope: float, level: float = 0
     return MeshTri(np.stack([leant, y]), cut.t).with_boundaries(names)
 
 
-def held() -> list[la.Fix]:
+def held() -> "list[la.Fix]":
     """Far from the mechanism nothing moves."""
     return [la.Fix("soil", side) for side in ("bottom", "left", "right")]

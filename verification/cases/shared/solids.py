@@ -9,14 +9,14 @@ Point = tuple[float, float, float]
 _SIDES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
 
-def box(low: Point, high: Point) -> la.Polyhedron:
+def box(low: Point, high: Point) -> "la.Polyhedron":
     """A box by two of its corners."""
     (a, b, c), (d, e, f) = low, high
     ground = ((a, b), (d, b), (d, e), (a, e))
     return la.Polyhedron(np.array([(x, y, z) for z in (c, f) for x, y in ground]), _SIDES)
 
 
-def on_floor(b: float, h: float) -> dict[str, la.Polyhedron]:
+def on_floor(b: float, h: float) -> "dict[str, la.Polyhedron]":
     """A block b x b x h on a larger one, ``floor``, its axis that of z."""
     return {
         "floor": box((-b, -b, -h), (b, b, 0.0)),
@@ -25,8 +25,8 @@ def on_floor(b: float, h: float) -> dict[str, la.Polyhedron]:
 
 
 def shaken(
-    blocks: la.BlockAssembly3D, held: tuple[str, ...], direction: Point = (1.0, 0.0, 0.0)
-) -> la.Problem:
+    blocks: "la.BlockAssembly3D", held: tuple[str, ...], direction: Point = (1.0, 0.0, 0.0)
+) -> "la.Problem":
     """Own weight as dead load, alpha times it along a unit vector; some blocks are held."""
     own = tuple(name for name in blocks.names if name not in held)
     return la.Problem(
@@ -37,7 +37,7 @@ def shaken(
     )
 
 
-def named(blocks: la.BlockAssembly3D, start: str) -> tuple[str, ...]:
+def named(blocks: "la.BlockAssembly3D", start: str) -> tuple[str, ...]:
     """Names of blocks that begin so."""
     return tuple(name for name in blocks.names if name.startswith(start))
 

@@ -34,7 +34,7 @@ def under_footing(x: Floats) -> Bools:
 
 def slab(
     ground: Criterion, size: tuple[float, float], n: int, rough: bool, space: str
-) -> la.Problem:
+) -> "la.Problem":
     """Half of a strip footing on ground one cell thick between smooth walls; its length, depth."""
     length, depth = size
     mesh = la.meshes.box((0, length), (0, 0.5), (-depth, 0), n + 1, 1, n, False, (1.0, 2.0))

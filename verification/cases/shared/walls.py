@@ -20,7 +20,7 @@ SOURCE = (
 )
 
 
-def shaken(blocks: la.BlockAssembly, held: tuple[str, ...] = ("base",)) -> la.Problem:
+def shaken(blocks: "la.BlockAssembly", held: tuple[str, ...] = ("base",)) -> "la.Problem":
     """Own weight as dead load, alpha times it to the right; some blocks are held."""
     own = tuple(name for name in blocks.names if name not in held)
     return la.Problem(
@@ -31,7 +31,7 @@ def shaken(blocks: la.BlockAssembly, held: tuple[str, ...] = ("base",)) -> la.Pr
     )
 
 
-def wall(rows: Sequence[Sequence[float]], mu: float) -> la.Problem:
+def wall(rows: Sequence[Sequence[float]], mu: float) -> "la.Problem":
     """A wall from its courses, on a rigid base, `shaken`."""
     return shaken(la.masonry.running_bond(rows, mu, BLOCK))
 

@@ -82,7 +82,7 @@ class Columns:
         reach = self.cells * self.least * sin(radians(self.half_angle))
         return self._mesh(substring(edge, 0, reach), substring(edge, reach, WIDTH), 0.0)
 
-    def __call__(self, problem: la.Problem) -> Mapping[str, Mesh]:
+    def __call__(self, problem: "la.Problem") -> Mapping[str, Mesh]:
         """New meshes, for `la.sequential(remesh=...)`."""
         body = problem.bodies["body"]
         assert isinstance(body, la.Body)
@@ -126,7 +126,7 @@ def surface(mesh: Mesh) -> Floats:
     return np.array([*found, mesh.p[:, vertex]])
 
 
-def lip_error(path: la.Path, half_angle: float) -> float:
+def lip_error(path: "la.Path", half_angle: float) -> float:
     """Largest distance of the surface beside the wedge from Hill's, per depth."""
     snapshot = path.snapshots[-1]
     mesh = path.stage_of(snapshot).meshes_at(snapshot.configuration)["body"]
