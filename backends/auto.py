@@ -10,8 +10,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from backends._embedding.dilating import as_moved
-from backends._embedding.loops.best import compiles
 from lacore.backend import (
     Capabilities,
     InnerSolution,
@@ -21,7 +19,6 @@ from lacore.backend import (
     find_backend,
 )
 from lacore.errors import require_count, require_positive
-from lacore.inner.left_over import judged_left
 from lacore.numerics.symmetric import fast_solver
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.solvers.compilation import SolveClock
@@ -106,6 +103,8 @@ class Auto:
 
     def prepare(self, program: KinematicProgram, options: AutoOptions) -> PreparedSolver:
         """The first is made ready where it is faster, the other when it is needed."""
+        from backends._embedding.loops.best import compiles  # not for `capabilities`
+
         return AutoSolver(program, options, _COMPILED if compiles() else _LEAST)
 
 
@@ -169,6 +168,9 @@ class AutoSolver:
 
     def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Asked":
         """What one says in the time that is left, and what its answer leaves."""
+        from backends._embedding.dilating import as_moved  # not for `capabilities`
+        from lacore.inner.left_over import judged_left
+
         solver = self._made(name, spent, _PATIENCE) if second else self._first(name)
         try:
             answer = checked_answer(self._program, False, solver.solve(contact))

@@ -54,7 +54,6 @@ from .files.problem.reading import read_problem as read_problem
 from .files.problem.writing import write_problem as write_problem
 from .limit.boxed import solve as solve
 from .limit.stability import Stability as Stability
-from .limit.stability import Standing as Standing
 from .limit.state import LimitState as LimitState
 from .materials import hardening as hardening
 from .materials.drucker_prager import DruckerPrager as DruckerPrager
@@ -112,6 +111,7 @@ from .solvers.isolation import SolverProcess as SolverProcess
 from .solvers.registry import backend_names as backend_names
 from .solvers.registry import find_backend as find_backend
 from .status import Rigor as Rigor
+from .status import Standing as Standing
 from .status import Status as Status
 
 __version__: str

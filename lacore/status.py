@@ -116,6 +116,19 @@ class Scope(Enum):
         return " of the discrete problem" if self is Scope.DISCRETE else ""
 
 
+class Standing(Enum):
+    """What is proven of the dead loads alone."""
+
+    STANDS = "the dead loads alone are carried"
+    FALLS = "the dead loads alone are not carried, as a mechanism proves"
+    UNDECIDED = "neither equilibrium with the dead loads alone nor their collapse is proven"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables."""
+        return self.name.lower()
+
+
 class Rigor(Enum):
     """What a load factor proves (T16). No number is printed without one."""
 

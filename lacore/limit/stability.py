@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -42,22 +41,9 @@ from lacore.reporting.text import PYTHON, Reader
 from lacore.showing import Facts, Shown
 from lacore.solvers.registry import JUDGE
 from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.status import Standing, Status
 
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
-
-
-class Standing(Enum):
-    """What is proven of the dead loads alone."""
-
-    STANDS = "the dead loads alone are carried"
-    FALLS = "the dead loads alone are not carried, as a mechanism proves"
-    UNDECIDED = "neither equilibrium with the dead loads alone nor their collapse is proven"
-
-    @property
-    def label(self) -> str:
-        """The name as shown in tables."""
-        return self.name.lower()
 
 
 @dataclass(frozen=True, repr=False)

@@ -20,7 +20,7 @@ from lacore.bounds.upper import upper_bound
 from lacore.errors import CapabilityError, InputError, require_positive, typed
 from lacore.limit import cells
 from lacore.limit.solve import strict_bound
-from lacore.limit.stability import Stability, Standing, stability_of
+from lacore.limit.stability import Stability, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.reporting.findings import Finding, Message, Severity
@@ -28,7 +28,7 @@ from lacore.reporting.kinds import Kind
 from lacore.showing import Facts, Picture, Shown
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.registry import JUDGE
-from lacore.status import Rigor, Status
+from lacore.status import Rigor, Standing, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -26,7 +26,6 @@ from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import CapabilityError, InputError, require_positive, typed
 from lacore.limit.solve import solve
-from lacore.limit.stability import Standing
 from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
@@ -34,7 +33,7 @@ from lacore.problem.problem import Problem
 from lacore.reporting import terms
 from lacore.reporting.text import PYTHON, Term, text
 from lacore.showing import Facts, Shown, counted, listed
-from lacore.status import Rigor, Status
+from lacore.status import Rigor, Standing, Status
 
 Weakened = Callable[[float], Problem | None]
 

@@ -2,16 +2,17 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import lacore as la
 from lacore.backend import Capabilities, load_backend
 from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from lacore.errors import require_known
 from lacore.limit.engines import coupling_for
-from lacore.solvers.registry import fault_of
+from lacore.solvers.registry import fault_of, rejected_backends
 from verification.case import Case, Variant
-from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
+from verification.case.case import RANGE
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.defaults import RAW
 from verification.runs.run import Run
@@ -151,3 +152,35 @@ def capabilities(backend: str) -> Capabilities:
     with suppress(la.CapabilityError):
         return load_backend(backend).capabilities
     return Capabilities(regularised=False)
+
+
+def unusable_backends() -> dict[str, str]:
+    """Return why registered backends cannot be used, with their files, by their names.
+
+    They cannot be imported, describe themselves wrongly, or have the name of another backend.
+    """
+    found = {name: fault_of(name) for name in la.backend_names()}
+    found |= {own.label: own.conflict for own in rejected_backends()}
+    return {name: why for name, why in found.items() if why}
+
+
+def with_unusable(runs: Sequence[Run], backends: Sequence[str]) -> list[Run]:
+    """Return runs in which each unusable backend has one, which is skipped with the reason.
+
+    Args:
+        runs: Of a comparison.
+        backends: Named for it; without names, or with ``all``, all unusable backends are added.
+    """
+    faults = {name: fault_of(name) for name in {run.backend for run in runs}}
+    if runs and (not backends or list(backends) == ["all"]):
+        faults = unusable_backends() | faults
+    unusable = {name: why for name, why in faults.items() if why}
+    first = {run.backend: run for run in reversed(runs)}
+    usable = [run for run in runs if run.backend not in unusable]
+    skipped = [
+        replace(
+            first.get(name, replace(runs[0], backend=name)), coupling=None, settings={}, skip=why
+        )
+        for name, why in sorted(unusable.items())
+    ]
+    return [*usable, *skipped]

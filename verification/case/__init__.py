@@ -4,10 +4,20 @@ Files of cases import all names from here.
 """
 
 from verification.case.band import EXACT, SOLVER, Band, Convergence, Order, exact_patch, rigid
-from verification.case.beside import RANGE, Beside
 from verification.case.bracketing import BRACKET, Bracketing
-from verification.case.case import BLOCKS, CLAMPED, JAM, KINDS, Case, Variant, is_of_lacore
-from verification.case.first import CLOSE, First
+from verification.case.case import (
+    BLOCKS,
+    CLAMPED,
+    CLOSE,
+    JAM,
+    KINDS,
+    RANGE,
+    Beside,
+    Case,
+    First,
+    Variant,
+    is_of_lacore,
+)
 from verification.case.following import Following
 from verification.case.reference import UNKNOWN, UNKNOWN_KINDS, Reference
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations  # not evaluated: names of lacore in them load nothing
 
-from collections.abc import Callable, Mapping, Sequence
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -10,11 +13,8 @@ from typing import TYPE_CHECKING, Any
 import lacore as la
 from lacore.errors import require_known
 from verification.case.band import Band, Order
-from verification.case.beside import Beside
 from verification.case.bracketing import Bracketing
-from verification.case.first import First
 from verification.case.following import Following
-from verification.case.guard import guarded
 from verification.case.reference import UNKNOWN, Reference
 
 if TYPE_CHECKING:
@@ -27,6 +27,46 @@ KINDS = ("continuum", "blocks", "frames", "contact", "hardening")
 
 JAM = {"regularised": "only the certified loop tells jamming; the reaction loop goes on and on"}
 CLAMPED = {"regularised": "penalties let go where nothing determines the clamping forces"}
+RANGE = "range"
+"""What stands for a coupling in runs that search for low and high load factors (T59)."""
+CLOSE = 0.05
+"""Relative: the largest distance from the reference that a run of the first comparison may have."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A load factor that others give, shown on the page of a case; nothing is judged by it.
+
+    Attributes:
+        name: what it is, such as ``Davis's strength``.
+        value: in units of the case.
+        source: where it comes from, and what it is worth.
+        half_width: they say ``value +- half_width``.
+    """
+
+    name: str
+    value: float
+    source: str
+    half_width: float = 0.0
+
+
+@dataclass(frozen=True)
+class First:
+    """The runs of a case in the first comparison; each must be within `CLOSE` of the reference.
+
+    Where the coarsest mesh is too coarse for that, a case names another mesh or variant, or a
+    bracket. The coarse meshes are run by ``lacore compare --all``.
+
+    Attributes:
+        variant: Name of the variant to run. Empty: the first one of the case.
+        meshes: Levels to run, the first of them with several backends, all others with one exact
+            backend. None: the coarsest and the finest level of the variant.
+        bracket: Width of a bracket to compute in addition, relative to its mean. 0: no bracket.
+    """
+
+    variant: str = ""
+    meshes: tuple[str, ...] | None = None
+    bracket: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -173,3 +213,26 @@ def is_of_lacore(case: Case) -> bool:
     """Whether a case is known to be harmless; what others wrote may do anything."""
     build = case.build.func if isinstance(case.build, partial) else case.build
     return getattr(build, "__module__", "").startswith(_OURS)
+
+
+@contextlib.contextmanager
+def guarded() -> Iterator[None]:
+    """What is printed goes to stderr, the working directory stays, and nothing ends the process.
+
+    Raises:
+        RuntimeError: in place of `SystemExit`.
+    """
+    folder = os.getcwd()
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    except SystemExit as error:
+        raise RuntimeError(f"sys.exit({error.code!r}) was called") from error
+    finally:
+        os.chdir(folder)
+
+
+def described(error: BaseException) -> str:
+    """Return an exception in one line."""
+    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    return " ".join(f"{type(error).__name__}: {text}".split()).removesuffix(":")

@@ -17,6 +17,7 @@ from lacore.errors import (
 )
 from verification.case import UNKNOWN_KINDS, Band, Case, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
+from verification.case.case import described
 from verification.case.following import STEPPING, Following
 from verification.catalogue.first_checks import check_first
 
@@ -234,15 +235,9 @@ def _called(function: Callable[..., Any], name: str, variant: Variant, *elements
         raise InputError(
             f"Case.{name}",
             None,
-            f"fails for variant {variant.name!r}: {said(error)}",
+            f"fails for variant {variant.name!r}: {described(error)}",
             f"fix {name}(), or the parameters of the variant",
         ) from error
-
-
-def said(error: BaseException) -> str:
-    """An exception in one line."""
-    text = error.msg if isinstance(error, SyntaxError) else str(error)
-    return " ".join(f"{type(error).__name__}: {text}".split()).removesuffix(":")
 
 
 def _check_reference(variant: Variant, reference: object) -> None:

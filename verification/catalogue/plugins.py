@@ -20,8 +20,8 @@ from typing import Any
 
 from lacore.errors import InputError
 from verification.case import Case
+from verification.case.case import described
 from verification.catalogue.catalogue import Catalogue, catalogue
-from verification.catalogue.checks import check, said
 
 GROUP = "lacore.cases"
 
@@ -140,6 +140,8 @@ def _of_file(path: Path) -> list[Case]:
 
 def _checked(value: Any, source: str, fix: str) -> list[Case]:
     """Cases from a Case or a sequence of them, each checked."""
+    from verification.catalogue.checks import check  # lacore's own cases are checked by tests
+
     cases = [value] if isinstance(value, Case) else value
     if not isinstance(cases, Sequence) or isinstance(cases, str) or not cases:
         raise InputError(source, type(value).__name__, "not a case", fix)
@@ -196,7 +198,7 @@ def _reported(source: str, path: Path | None) -> Iterator[None]:
         raise InputError(field, error.value, error.reason, error.fix) from error
     except (Exception, SystemExit) as error:  # whatever others wrote
         raise InputError(
-            f"{source}{_line(error, path)}", None, said(error), "correct the file"
+            f"{source}{_line(error, path)}", None, described(error), "correct the file"
         ) from error
 
 

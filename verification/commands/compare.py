@@ -2,17 +2,16 @@
 
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError
-from verification.case.beside import RANGE
-from verification.case.bracketing import BRACKET
+from verification.case import BRACKET, RANGE
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
@@ -29,9 +28,11 @@ from verification.commands.options import (
     time_limit_option,
 )
 from verification.defaults import RAW
+from verification.verdicts.words import tally
 
 if TYPE_CHECKING:
     from verification.runs.outcome import Outcome
+    from verification.runs.run import Run
     from verification.store.repeating import Repeat
 
 
@@ -128,34 +129,17 @@ def compare(
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
     from verification import progress
-    from verification.analysis.couplings import couplings as by_coupling
-    from verification.analysis.noise import noise
-    from verification.analysis.profiles import rates
-    from verification.analysis.settings import settings
-    from verification.analysis.summary import summaries
-    from verification.campaigns import comparison, overview
-    from verification.campaigns.backend_options import with_options
     from verification.campaigns.compared_programs import sources_of, write_programs
     from verification.campaigns.run_all import run_all
-    from verification.campaigns.unusable import with_unusable
-    from verification.commands import screen, tables
     from verification.perform.processes import run_in_processes
     from verification.report.reporting import GrowingReport, write_report
     from verification.store.provenance import describe
-    from verification.store.results import RESULTS, as_table
     from verification.store.store import NAME
-    from verification.verdicts.tally import tally
 
     if cases and everything:
         raise InputError("--all", None, "a CASE is given, too", "omit one of them")
     first_look = not (cases or everything or couplings)
-    if first_look:
-        runs = overview.overview(backends, meshes, known)
-    elif everything and not couplings:
-        runs = overview.everything(backends, meshes, known)
-    else:
-        runs = comparison.plan(cases, backends, meshes, couplings, known)
-    runs = with_options(with_unusable(runs, backends), options)
+    runs = _planned(cases, everything, backends, meshes, couplings, options, known)
     growing = GrowingReport(runs, out)
     with resumable(out / NAME, growing.write):
         with progress.watching(len(runs)) as watch:
@@ -178,40 +162,93 @@ def compare(
             sources = sources_of(outcomes)
             with progress.patiently("writing programs", len(sources)) as on_done:
                 write_programs(sources, out, on_done)
-        results = as_table(outcome.record() for outcome in outcomes)
         about = describe(run.backend for run in runs)
         page = write_report(outcomes, about, out)
-    count = tally(outcomes)
     if as_json:
-        rows = [outcome.row.record() for outcome in outcomes]
-        document = {
-            "summary": vars(count),
-            "cases": [one.record() for one in summaries(outcomes)],
-            "settings": settings(runs).to_dict("records"),
-            "noise": noise(results).record(),
-            "rates": rates(results, ["backend"]).to_dict("records"),
-            "couplings": by_coupling(results).to_dict("records"),
-            "report": str(page),
-            "machine": about,
-            "rows": rows,
-        }
-        print_json(document)
+        print_json(_document(outcomes, about, page))
     else:
-        places = {"Report": page, "Results": out / RESULTS}
-        after = f"{_after(cases, first_look)}{'' if full else '; --full prints every run'}"
-        console = tables.table_console()
-        if full:
-            tables.show_results(console, outcomes)
-        else:
-            screen.show_overview(console, summaries(outcomes))
-        screen.show_rates(console, rates(results, ["backend"]))
-        if couplings:
-            tables.show_couplings(console, by_coupling(results))
-        screen.show_end(console, count.text, places, after)
+        _show(outcomes, full, bool(couplings), page, out, _after(cases, first_look))
+    count = tally(outcomes)
     checked = count.passed + count.bound_only
     if not checked:
         click.echo("no run passed, so nothing was verified", err=True)
     ctx.exit(0 if checked and not count.failed else 1)
+
+
+def _planned(
+    cases: Sequence[str],
+    everything: bool,
+    backends: Sequence[str],
+    meshes: Sequence[str],
+    couplings: Sequence[str],
+    options: Sequence[str],
+    known: Catalogue,
+) -> list[Run]:
+    """Plan the runs of a comparison, with those of backends that cannot be used."""
+    from verification.campaigns.comparison import with_unusable
+
+    if cases or couplings:
+        from verification.campaigns.comparison import plan
+
+        runs = plan(cases, backends, meshes, couplings, known)
+    else:
+        from verification.campaigns import overview
+
+        planned = overview.everything if everything else overview.overview
+        runs = planned(backends, meshes, known)
+    runs = with_unusable(runs, backends)
+    if not options:
+        return runs
+    from verification.campaigns.backend_options import with_options
+
+    return with_options(runs, options)
+
+
+def _document(outcomes: Sequence[Outcome], about: Mapping[str, str], page: Path) -> dict[str, Any]:
+    """Return the results of a comparison as a document."""
+    from verification.analysis.effort import couplings
+    from verification.analysis.noise import noise
+    from verification.analysis.profiles import rates
+    from verification.analysis.settings import settings
+    from verification.analysis.summary import summaries
+    from verification.store.results import as_table
+
+    results = as_table(outcome.record() for outcome in outcomes)
+    return {
+        "summary": vars(tally(outcomes)),
+        "cases": [one.record() for one in summaries(outcomes)],
+        "settings": settings(outcome.run for outcome in outcomes).to_dict("records"),
+        "noise": noise(results).record(),
+        "rates": rates(results, ["backend"]).to_dict("records"),
+        "couplings": couplings(results).to_dict("records"),
+        "report": str(page),
+        "machine": dict(about),
+        "rows": [outcome.row.record() for outcome in outcomes],
+    }
+
+
+def _show(
+    outcomes: Sequence[Outcome], full: bool, by_coupling: bool, page: Path, out: Path, after: str
+) -> None:
+    """Print the results of a comparison: a line for each variant, or in full for each run."""
+    from verification.analysis.effort import couplings
+    from verification.analysis.profiles import rates
+    from verification.analysis.summary import summaries
+    from verification.commands import screen, tables
+    from verification.store.results import RESULTS, as_table
+
+    results = as_table(outcome.record() for outcome in outcomes)
+    console = tables.table_console()
+    if full:
+        tables.show_results(console, outcomes)
+    else:
+        screen.show_overview(console, summaries(outcomes))
+        after += "; --full prints every run"
+    screen.show_rates(console, rates(results, ["backend"]))
+    if by_coupling:
+        tables.show_couplings(console, couplings(results))
+    places = {"Report": page, "Results": out / RESULTS}
+    screen.show_end(console, tally(outcomes).text, places, after)
 
 
 def _after(cases: Sequence[str], first_look: bool) -> str:

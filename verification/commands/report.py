@@ -61,7 +61,7 @@ def report(
     from verification.store.logs import copy_logs
     from verification.store.results import load_outcomes
     from verification.store.store import file_of, sessions
-    from verification.verdicts.tally import tally
+    from verification.verdicts.words import tally
 
     require_results("DIR", results)
     outcomes, strange = load_outcomes(results, known)
@@ -114,7 +114,7 @@ def manual(
     from verification.commands import screen, tables
     from verification.report.manual import write_manual
     from verification.store.results import load_outcomes
-    from verification.verdicts.tally import tally
+    from verification.verdicts.words import tally
 
     if not results.exists() and not _similar(results):
         raise _no_results(cases, results)

@@ -30,8 +30,7 @@ import lacore as la
 from lacore.errors import InputError
 from lacore.solvers.isolation import release_processes
 from verification.defaults import TIME_LIMIT
-from verification.perform.one_run import lost
-from verification.perform.processes import OnStart, RunProcess, attempt
+from verification.perform.processes import OnStart, RunProcess, attempt, lost
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run

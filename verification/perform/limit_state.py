@@ -15,7 +15,6 @@ from lacore.solvers.registry import JUDGE
 from verification.case import Band, Reference
 from verification.defaults import RAW
 from verification.evidence.limit_state import evidence_of
-from verification.perform.limits import shorter_limit
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
@@ -128,3 +127,17 @@ def _times(state: la.LimitState) -> dict[str, Any]:
 def claims_success(state: la.LimitState) -> bool:
     """Whether the solver itself called its last inner solve solved."""
     return bool(state.history["inner_status"].iloc[-1] == la.Status.SOLVED.label)
+
+
+def shorter_limit(backend: str, time_limit: float | None) -> dict[str, float]:
+    """Options that limit a solve to the time of its run, if the backend sets no shorter limit.
+
+    Args:
+        backend: Its name.
+        time_limit: Of the run, s; None: there is none.
+
+    Raises:
+        CapabilityError: The backend cannot be loaded or run here.
+    """
+    own = float(la.find_backend(backend).Options().time_limit)
+    return {} if time_limit is None else {"time_limit": min(own, time_limit)}

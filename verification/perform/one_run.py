@@ -10,13 +10,13 @@ from typing import Any
 
 import lacore as la
 from lacore.errors import BackendError
-from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
+from verification.case.case import RANGE
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
 from verification.verdicts.allowed import about
-from verification.verdicts.words import FAIL, NO_RESULT, SKIPPED
+from verification.verdicts.words import FAIL, SKIPPED
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def outcome_of(
         memory: peak memory of this process, MB.
         on_error: called with an exception that is neither bad input nor a missing capability.
     """
-    names = _names(run)
+    names = run.names
     if run.coupling == FUZZ:
         return _random(run, names, memory)
     if isinstance(assembled, Exception):
@@ -129,25 +129,6 @@ def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Out
         return run_random(run, names, memory)
     except Exception as error:  # of a check: its row says so
         return Outcome(run, _failed(names, error))
-
-
-def lost(run: Run, status: la.Status, message: str) -> Outcome:
-    """The row of a run whose process did not come back; late is no result, as of `judge`."""
-    late = status is la.Status.TIME_LIMIT and run.coupling != BRACKET
-    verdict = NO_RESULT if late and not run.insist else FAIL
-    row = Row(**_names(run), status=status.label, message=message, verdict=verdict, why=message)
-    return Outcome(run, row)
-
-
-def _names(run: Run) -> dict[str, Any]:
-    return {
-        "case": run.case.id,
-        "variant": run.variant.name,
-        "backend": run.backend,
-        "coupling": run.coupling or "",
-        "mesh": run.mesh,
-        "options": run.options_text,
-    }
 
 
 def _skipped(run: Run, names: dict[str, Any], why: str) -> Outcome:

@@ -18,8 +18,7 @@ from verification.case import Band, Reference
 from verification.case.following import Following
 from verification.evidence.limit_state import records
 from verification.evidence.path import packed_step
-from verification.perform.limit_state import claims_success
-from verification.perform.limits import shorter_limit
+from verification.perform.limit_state import claims_success, shorter_limit
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run

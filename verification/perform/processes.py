@@ -19,12 +19,12 @@ from lacore.solvers.child_process import (
 from lacore.solvers.isolation import release_processes
 from lacore.solvers.process_log import ProcessLog
 from lacore.solvers.served_process import ISOLATE, WARM_UP
-from verification.case import Case, is_of_lacore
+from verification.case import BRACKET, Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
-from verification.perform.one_run import lost
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
+from verification.verdicts.words import FAIL, NO_RESULT
 
 _TRACED = {"PYTHONFAULTHANDLER": "1"}  # a crash leaves a traceback in the log of its run
 _JUDGING = {ISOLATE: "all"}  # backends only solve, each in a process of its own
@@ -66,6 +66,14 @@ class RunProcess(ChildProcess):
             self.ask(START + WARM_UP, "open", run.backend)  # no part of the time limit
         row, evidence = self.ask(limit, "row_of", run, time_limit)
         return row, evidence
+
+
+def lost(run: Run, status: la.Status, message: str) -> Outcome:
+    """The row of a run whose process did not come back; late is no result, as of `judge`."""
+    late = status is la.Status.TIME_LIMIT and run.coupling != BRACKET
+    verdict = NO_RESULT if late and not run.insist else FAIL
+    row = Row(**run.names, status=status.label, message=message, verdict=verdict, why=message)
+    return Outcome(run, row)
 
 
 def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from verification.case import Case, is_of_lacore
 from verification.case.bracketing import BRACKET
-from verification.catalogue.checks import said
+from verification.case.case import described
 from verification.perform.pool import answers
 from verification.report.blocks import Picture, Text
 from verification.report.charts.figures import finest_exact, png
@@ -155,7 +155,9 @@ def painted(subject: Subject) -> Picture | Text:
 
 
 def _failed(subject: Subject, error: Exception) -> Text:
-    return Text(said(error), lead=f"{subject.caption}: cannot be drawn from the stored results")
+    return Text(
+        described(error), lead=f"{subject.caption}: cannot be drawn from the stored results"
+    )
 
 
 def draw(

@@ -33,7 +33,7 @@ from verification.report.reporting import pictures_of
 from verification.report.tables import VERDICTS
 from verification.runs.outcome import Outcome
 from verification.store.store import file_of, sessions
-from verification.verdicts.tally import tally
+from verification.verdicts.words import tally
 from verification.verify import load_checks
 
 _NO_KIND = "others"

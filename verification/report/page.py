@@ -9,8 +9,8 @@ import pandas as pd
 
 from verification.analysis.settings import settings
 from verification.case import EXACT, SOLVER, Case
-from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
+from verification.case.case import RANGE
 from verification.report import document
 from verification.report.blocks import (
     Block,
@@ -32,21 +32,20 @@ from verification.report.blocks import (
     Tally,
     Text,
 )
-from verification.report.bracket import brackets_table, widths_chart
 from verification.report.charts.figures import sweep_chart
 from verification.report.columns import Column
 from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
+from verification.report.measurement import noise_section, settings_section
 from verification.report.overview import answers, cards, filters, first_thumbnail, solver_filter
-from verification.report.ranging import beside_table, ranges_table
-from verification.report.studies.measurement import noise_section, settings_section
-from verification.report.studies.sections import solvers, studies
 from verification.report.tables import (
     RUN,
+    beside_table,
     certificates_table,
     commands,
     couplings_table,
+    ranges_table,
     reasons_table,
     results_table,
     times_table,
@@ -58,9 +57,8 @@ from verification.store.provenance import PROVENANCE
 from verification.store.results import RESULTS, as_table
 from verification.store.spreadsheets import quoted
 from verification.verdicts.limit_state import STRONG
-from verification.verdicts.tally import Tally as Verdicts
-from verification.verdicts.tally import tally
-from verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT
+from verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT, tally
+from verification.verdicts.words import Tally as Verdicts
 
 SETTINGS = "settings.csv"
 """Table of the options of all backends, in the folder of a report."""
@@ -111,10 +109,10 @@ def compared(
     results = results_frame(outcomes)
     own = by_case(outcomes, with_programs(results, programs))
     files = case_files(one.case.id for one in own)
-    found = studies(results)
+    found, side_by_side = _studies(results)
     pages = {f"studies/{section.id}.html": section for section in found}
-    index = _index(outcomes, results, own, files, drawn)
-    sections = [*index, *_more(outcomes, results, pages, machine, programs)]
+    index = _index(outcomes, own, files, drawn)
+    sections = [*index, *side_by_side, *_more(outcomes, results, pages, machine, programs)]
     return Report(
         {INDEX: Document(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
         | {
@@ -128,14 +126,27 @@ def compared(
             for file, section in pages.items()
         },
         {
-            RESULTS: results_csv(results),
-            SETTINGS: settings_csv(outcomes),
-            PROVENANCE: provenance_json(machine),
+            # A spreadsheet shows text that looks like a formula as text.
+            RESULTS: quoted(results.drop(columns="run")).to_csv(index=False),
+            SETTINGS: quoted(settings(own.run for own in outcomes)).to_csv(index=False),
+            PROVENANCE: json.dumps(dict(machine), indent=1) + "\n",
         },
     )
 
 
 _UP = Page("All cases", INDEX)
+
+
+def _studies(results: pd.DataFrame) -> tuple[list[Section], list[Section]]:
+    """Return studies, and the comparison of backends, if a problem was solved in several ways."""
+    varied = [name for name in results if name == "param_steps" or str(name).startswith("option_")]
+    ways = results[["mesh", "backend", "coupling", *varied]]
+    if not (ways.nunique() > 1).any():
+        return [], []
+    from verification.report.studies.sections import solvers, studies
+
+    side_by_side = solvers(results)
+    return studies(results), [] if side_by_side is None else [side_by_side]
 
 
 def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
@@ -149,14 +160,12 @@ def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
 
 def _index(
     outcomes: Sequence[Outcome],
-    results: pd.DataFrame,
     own: Sequence[Own],
     files: Mapping[str, str],
     drawn: Drawn,
 ) -> list[Section]:
     cases = [one.case for one in own]
     pictures = {one.case.id: picture for one in own if (picture := _picture(one, drawn))}
-    side_by_side = solvers(results) if own else None
     shown = cards(cases, outcomes, files, pictures)
     return [
         Section(
@@ -172,7 +181,6 @@ def _index(
             "Failures come first, then the largest errors. The error is the worst one of exact"
             " backends on their finest mesh, or of the farther end of a bracket.",
         ),
-        *([side_by_side] if side_by_side else []),
     ]
 
 
@@ -216,24 +224,6 @@ def _downloads(programs: Collection[str]) -> Pages:
             *([Page(index, index, "Minima and checksums of the programs.")] if programs else []),
         ]
     )
-
-
-def results_csv(results: pd.DataFrame) -> str:
-    """Return all runs as CSV, each with the commands that repeat it and export its program.
-
-    A spreadsheet shows text that looks like a formula as text.
-    """
-    return quoted(results.drop(columns="run")).to_csv(index=False)
-
-
-def settings_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return the options of all backends that were run as CSV, see `settings`."""
-    return quoted(settings(outcome.run for outcome in outcomes)).to_csv(index=False)
-
-
-def provenance_json(machine: Mapping[str, str]) -> str:
-    """Return machine, date and versions as JSON."""
-    return json.dumps(dict(machine), indent=1) + "\n"
 
 
 def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Page]:
@@ -329,6 +319,8 @@ def results_of(
     proven, ranges = results["coupling"] == BRACKET, results["coupling"] == RANGE
     blocks: list[Block] = []
     if proven.any():
+        from verification.report.bracket import brackets_table  # not imported for other runs
+
         blocks.append(brackets_table(results[proven]))
     if ranges.any():
         blocks.append(ranges_table(results[ranges]))
@@ -382,9 +374,12 @@ def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
         paths = path_chart(case, outcomes)
         if paths is not None:
             yield paths
-    widths = widths_chart(outcomes)
-    if widths is not None:
-        yield widths
+    if any(outcome.row.coupling == BRACKET for outcome in outcomes):
+        from verification.report.bracket import widths_chart  # not imported for other runs
+
+        widths = widths_chart(outcomes)
+        if widths is not None:
+            yield widths
 
 
 def _rules() -> Html:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from verification.case import Variant
-from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
+from verification.case.case import RANGE
 from verification.runs.run import Run, canonical
 
 INSTANCES = "instances"

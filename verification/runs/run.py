@@ -92,6 +92,18 @@ class Run:
         }
 
     @property
+    def names(self) -> dict[str, Any]:
+        """What was run, as the columns of its row."""
+        return {
+            "case": self.case.id,
+            "variant": self.variant.name,
+            "backend": self.backend,
+            "coupling": self.coupling or "",
+            "mesh": self.mesh,
+            "options": self.options_text,
+        }
+
+    @property
     def key(self) -> str:
         """Hash of `identity`."""
         return hashlib.sha256(canonical(self.identity).encode()).hexdigest()[:16]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lacore.errors import InputError
 from verification.runs.outcome import Outcome
-from verification.store.whole_files import whole_file
+from verification.store.manifest import whole_file
 
 FOLDER = "logs"
 FILE = re.compile(rf"|{FOLDER}/[0-9a-f]+\.txt")

@@ -1,16 +1,32 @@
-"""The list of files that a report has written, so that the next one there leaves none of them.
+"""Files of a report: each is written completely or not at all, and the next report leaves none.
 
-Its lines are those of ``sha256sum``: what somebody has changed since is theirs, and stays.
+A list names the files that a report has written. Its lines
+are those of ``sha256sum``: what somebody has changed since is theirs, and stays.
 """
 
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 
-from verification.store.whole_files import whole_file
-
 MANIFEST = "report.sha256"
+
+
+@contextmanager
+def whole_file(path: Path, folder: Path | None = None) -> Iterator[Path]:
+    """Give a path to write to; afterwards that file takes the place of `path`.
+
+    Args:
+        path: Of the file; what it held stays until all is written.
+        folder: For the unfinished file, on the same disk; None: that of `path`. It always has the
+            same name there, so that processes that are killed leave one at most.
+    """
+    part = (folder or path.parent) / ".unfinished"
+    try:
+        yield part
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def replace_files(folder: Path, files: Mapping[str, bytes]) -> None:

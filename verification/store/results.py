@@ -13,9 +13,9 @@ from verification.catalogue.catalogue import Catalogue
 from verification.runs.outcome import Outcome
 from verification.runs.row import TYPES
 from verification.runs.run import Run, canonical
+from verification.store.manifest import whole_file
 from verification.store.spreadsheets import quoted
 from verification.store.store import Entry, entries, file_of
-from verification.store.whole_files import whole_file
 
 FORMATS = ("csv", "parquet")
 RESULTS = "results.csv"

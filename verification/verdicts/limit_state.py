@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Protocol
 import lacore as la
 from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from verification.case import Band, Reference
-from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
+from verification.case.case import RANGE
 from verification.verdicts.allowed import (
     Allowed,
     allowed_values,

@@ -10,9 +10,9 @@ from lacore.backend import InnerSolution
 from lacore.certificate import certify
 from lacore.claims.carrying import carrying
 from lacore.limit.conversion import point_in_program
-from lacore.limit.stability import Standing, stability_of
+from lacore.limit.stability import stability_of
 from lacore.program import associated_contact, dimensionless
-from lacore.status import Status
+from lacore.status import Standing, Status
 from tests.frame_problems import DOWN
 from tests.lacore.limit.test_span_hinges import PROPPED, beam
 from tests.lacore.models import deformable_block, obstacle, square

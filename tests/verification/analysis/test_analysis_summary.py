@@ -12,7 +12,6 @@ from verification.runs.outcome import Outcome
 from verification.runs.row import STRICT, Row
 from verification.verdicts.allowed import about, distance
 from verification.verdicts.limit_state import judge
-from verification.verdicts.tally import tally
 from verification.verdicts.words import (
     BOUND_ONLY,
     FAIL,
@@ -20,6 +19,7 @@ from verification.verdicts.words import (
     NO_RESULT,
     PASS,
     SKIPPED,
+    tally,
 )
 
 

@@ -10,7 +10,7 @@ import pytest
 import lacore as la
 from tests.shares import one_in
 from tests.verification.command_line import run_in_order
-from verification.analysis.couplings import couplings
+from verification.analysis.effort import couplings
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
 from verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS

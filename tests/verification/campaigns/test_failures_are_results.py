@@ -9,12 +9,13 @@ import lacore as la
 from tests.verification.command_line import lacore, run_in_order
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
-from verification.perform.one_run import lost, run_here
+from verification.perform.one_run import run_here
+from verification.perform.processes import lost
 from verification.report import reporting
 from verification.report.reporting import GrowingReport
+from verification.store.manifest import whole_file
 from verification.store.repeating import Repeat, describe_failures, is_failure
 from verification.store.store import NAME, Store, entries
-from verification.store.whole_files import whole_file
 from verification.verdicts.words import FAIL, PASS
 
 BACKENDS = ["clarabel", "highs"]

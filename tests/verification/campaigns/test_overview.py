@@ -18,7 +18,8 @@ from verification.campaigns.overview import LARGE, everything, overview, variant
 from verification.case import BRACKET, CLOSE
 from verification.catalogue.catalogue import catalogue
 from verification.commands import screen
-from verification.perform.one_run import lost, run_here
+from verification.perform.one_run import run_here
+from verification.perform.processes import lost
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.store.results import as_table

@@ -5,7 +5,7 @@ import pytest
 
 from tests.verification.command_line import lacore
 from verification.campaigns import comparison, overview
-from verification.campaigns.unusable import unusable_backends, with_unusable
+from verification.campaigns.comparison import unusable_backends, with_unusable
 from verification.catalogue.catalogue import find
 from verification.report import reporting
 

@@ -16,13 +16,13 @@ from verification.campaigns.run_all import run_all
 from verification.case import Band, Reference, Variant
 from verification.catalogue.catalogue import find
 from verification.perform import limit_state
-from verification.perform.one_run import lost, run_here
+from verification.perform.one_run import run_here
+from verification.perform.processes import lost
 from verification.runs.outcome import NO_EVIDENCE
 from verification.runs.run import Run
 from verification.store.results import load_results
 from verification.store.store import NAME
 from verification.verdicts.limit_state import judge, refutation
-from verification.verdicts.tally import tally
 from verification.verdicts.words import (
     BOUND_ONLY,
     FAIL,
@@ -30,6 +30,7 @@ from verification.verdicts.words import (
     NO_RESULT,
     PASS,
     SKIPPED,
+    tally,
 )
 
 CASE, (VARIANT,) = find("shear-patch:yielding")

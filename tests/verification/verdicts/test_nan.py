@@ -9,7 +9,7 @@ import pytest
 
 import lacore as la
 from verification import conformance
-from verification.analysis.couplings import couplings
+from verification.analysis.effort import couplings
 from verification.analysis.profiles import rates
 from verification.campaigns.comparison import plan
 from verification.case import UNKNOWN_KINDS, Band, Order, Reference
@@ -28,8 +28,7 @@ from verification.verdicts.allowed import Allowed
 from verification.verdicts.bracket import judge_bracket
 from verification.verdicts.limit_state import judge
 from verification.verdicts.path import judge_path, largest_error
-from verification.verdicts.tally import tally
-from verification.verdicts.words import FAIL, NO_REFERENCE, PASS
+from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, tally
 from verification.verify import answer, ask, finish
 from verification.verify.bracket import gap
 from verification.verify.limit_state import lambda_below_exact, upper_from_above, value

@@ -10,7 +10,7 @@ from verification.case import RANGE, UNKNOWN
 from verification.catalogue.catalogue import find
 from verification.perform.one_run import run_here
 from verification.report.page import results_frame
-from verification.report.ranging import beside_table, ranges_table
+from verification.report.tables import beside_table, ranges_table
 from verification.runs.run import Run
 from verification.store.store import Store, entries
 from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
