@@ -19,7 +19,6 @@ from lacore.backend import (
     find_backend,
 )
 from lacore.errors import require_count, require_positive
-from lacore.numerics.symmetric import fast_solver
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.solvers.compilation import SolveClock
 from lacore.status import Status
@@ -126,13 +125,15 @@ class AutoSolver:
     """
 
     def __init__(self, program: KinematicProgram, options: AutoOptions, least: int) -> None:
+        from lacore.numerics import symmetric  # not for `capabilities`
+
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
         # Of blocks alone vertices are degenerate, and one in four ends without progress. Of soils
         # that next to nothing but pressure makes strong it loses a twentieth of a lower bound.
         fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
         fits &= not (program.presses and _above(program))
-        self._quick = fast_solver() is not None
+        self._quick = symmetric.fast_solver() is not None
         self._leads = _size(program) >= least and fits and self._quick
         self._in_vain = False
 

@@ -25,7 +25,7 @@ import lacore as la
 from lacore.errors import require_known
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.catalogue.catalogue import find
 from verification.problems.starters import text as starter
 from verification.runs.outcome import Outcome

@@ -10,7 +10,7 @@ from pictures import enclosed, mechanism
 from results import Results
 from verification.analysis.summary import VariantSummary, summaries
 from verification.case import KINDS, Case
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.report.blocks import Block, Columns, Details, Facts, Preformatted, Section
 from verification.report.drawing import Drawn
 from verification.report.manual import page_of

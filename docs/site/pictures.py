@@ -13,7 +13,7 @@ from lacore import views
 from lacore.bounds.enclosing import associated
 from lacore.pictures.thumbnails.paper import DPI
 from verification.case import Case
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.report.blocks import Picture, Text
 from verification.report.drawing import Drawn, Figures, Subject, draw, sketch
 from verification.runs.outcome import Outcome

@@ -19,7 +19,7 @@ from typing import Any
 
 import pandas as pd
 
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.catalogue.catalogue import catalogue
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row

@@ -17,7 +17,7 @@ from verification.analysis.profiles import (
     performance_profile,
     shifted_geometric_means,
 )
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.fuzz.programs.judge import BAR
 from verification.report.blocks import Block, Drawing, Heading, Table, Text
 from verification.report.charts import axes

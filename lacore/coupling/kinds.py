@@ -10,7 +10,10 @@ from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Literal
 
+from lacore.errors import InputError
+
 if TYPE_CHECKING:
+    from lacore.backend import Backend
     from lacore.coupling.run import Coupled, Run
     from lacore.program import ContactRows, FrozenContact, KinematicProgram
 
@@ -121,3 +124,21 @@ _KINDS = (
 )
 COUPLINGS: Mapping[str, CouplingKind] = {kind.name: kind for kind in _KINDS}
 """All couplings by name, in the order in which help texts list them."""
+
+
+def coupling_for(backend: Backend, coupling: str | None) -> str:
+    """The coupling asked for, or the default of a backend.
+
+    Raises:
+        InputError: the backend is regularised, and the coupling needs exact multipliers.
+    """
+    if not backend.capabilities.regularised:
+        return coupling or DEFAULT
+    if coupling is not None and COUPLINGS[coupling].needs_exact:
+        raise InputError(
+            "coupling",
+            coupling,
+            f"needs exact solves, and backend {backend.name!r} is regularised",
+            "take 'reaction', of contact alone, or an exact backend such as 'clarabel'",
+        )
+    return coupling or DEFAULT_REGULARISED

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from lacore.backend import Backend, check_capable, find_backend, read_options
-from lacore.coupling.kinds import CERTIFIED, COUPLINGS, DEFAULT, DEFAULT_REGULARISED
+from lacore.coupling.kinds import CERTIFIED, COUPLINGS, coupling_for
 from lacore.errors import InputError, require_known
 from lacore.program import KinematicProgram, dimensionless
 from lacore.solvers.isolation import SolverProcess
@@ -37,24 +37,6 @@ def engine_for(
         require_known("coupling", coupling, COUPLINGS)
     engine = find_backend(backend, process)
     return engine, coupling_for(engine, coupling), read_options(engine, options)
-
-
-def coupling_for(backend: Backend, coupling: str | None) -> str:
-    """The coupling asked for, or the default of a backend.
-
-    Raises:
-        InputError: the backend is regularised, and the coupling needs exact multipliers.
-    """
-    if not backend.capabilities.regularised:
-        return coupling or DEFAULT
-    if coupling is not None and COUPLINGS[coupling].needs_exact:
-        raise InputError(
-            "coupling",
-            coupling,
-            f"needs exact solves, and backend {backend.name!r} is regularised",
-            "take 'reaction', of contact alone, or an exact backend such as 'clarabel'",
-        )
-    return coupling or DEFAULT_REGULARISED
 
 
 def stated(

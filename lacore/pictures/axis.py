@@ -1,16 +1,20 @@
 """Axes in pictures: names of coordinates, units, powers of ten; the axis of revolution."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 from collections.abc import Iterable, Sequence
 from math import floor, log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation
 
-from lacore.bodies.any_body import Stated
 from lacore.reporting.units import Units
+
+if TYPE_CHECKING:
+    from lacore.bodies.any_body import Stated
 
 _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -34,7 +34,7 @@ def smooth():
 @pytest.fixture
 def fast(monkeypatch):
     """As where PARDISO is installed."""
-    monkeypatch.setattr("backends.auto.fast_solver", lambda: SuperLU)
+    monkeypatch.setattr("lacore.numerics.symmetric.fast_solver", lambda: SuperLU)
 
 
 def test_auto_takes_clarabel_for_little_for_several_surfaces_and_for_blocks(smooth):
@@ -205,7 +205,7 @@ def test_auto_keeps_a_load_of_zero_of_which_all_residuals_are_of_order_one(fast,
 
 
 def test_without_a_fast_factorisation_clarabel_is_asked_alone(smooth, stopped, monkeypatch):
-    monkeypatch.setattr("backends.auto.fast_solver", lambda: None)
+    monkeypatch.setattr("lacore.numerics.symmetric.fast_solver", lambda: None)
     stopped()
     (found,) = asked(smooth[0], smooth[1:], 0)
     assert found.native_status == f"clarabel: {STALLED}"

@@ -14,7 +14,7 @@ import numpy as np
 
 import lacore as la
 from verification.case import SOLVER
-from verification.case.bracketing import BRACKET, Bracketing
+from verification.case.band import BRACKET, Bracketing
 from verification.runs.outcome import Outcome
 from verification.runs.row import STRICT, Row
 from verification.verdicts.allowed import allowed_values, distance

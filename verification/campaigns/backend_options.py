@@ -11,7 +11,7 @@ from lacore.backend import load_backend
 from lacore.errors import InputError, suggest
 from verification.campaigns.axis import read_value
 from verification.campaigns.varied import options
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.runs.run import Run
 
 _FIELD = "--option"

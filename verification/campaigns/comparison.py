@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import lacore as la
 from lacore.backend import Capabilities, load_backend
-from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
+from lacore.coupling.kinds import ASSOCIATED, COUPLINGS, coupling_for
 from lacore.errors import require_known
-from lacore.limit.engines import coupling_for
 from lacore.solvers.registry import fault_of, rejected_backends
 from verification.case import Case, Variant
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.defaults import RAW

@@ -3,8 +3,17 @@
 Files of cases import all names from here.
 """
 
-from verification.case.band import EXACT, SOLVER, Band, Convergence, Order, exact_patch, rigid
-from verification.case.bracketing import BRACKET, Bracketing
+from verification.case.band import (
+    BRACKET,
+    EXACT,
+    SOLVER,
+    Band,
+    Bracketing,
+    Convergence,
+    Order,
+    exact_patch,
+    rigid,
+)
 from verification.case.case import (
     BLOCKS,
     CLAMPED,

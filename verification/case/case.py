@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import lacore as la
 from lacore.errors import require_known
-from verification.case.band import Band, Order
-from verification.case.bracketing import Bracketing
+from verification.case.band import Band, Bracketing, Order
 from verification.case.following import Following
 from verification.case.reference import UNKNOWN, Reference
 

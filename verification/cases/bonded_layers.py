@@ -23,7 +23,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 _TOP = 0.5  # thickness of the upper layer, half a width of the footing
 _DEPTH, _WIDTH = 2.0, 3.5

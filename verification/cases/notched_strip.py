@@ -30,7 +30,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 NOTCH, LENGTH = 0.5, 2.0  # half the width is 1; half the length
 _ERROR = Convergence(1.033, 0.543, "36 to 4624 elements: 17.1, 5.90, 3.04, 1.92, 1.14 % above")

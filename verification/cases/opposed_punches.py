@@ -24,7 +24,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 _NETS = {1.0: 2.0, 2.0: 2.427658, 4.0: 3.505757}  # by h
 _ERRORS = {

@@ -28,7 +28,7 @@ from skfem import MeshQuad, MeshTri
 import lacore as la
 from lacore.meshes.structured import graded
 from verification.case import Band, Case, Convergence, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 RADIUS = 0.2  # half the side is 1
 _MESHES: dict[str, dict[str, Any]] = {

@@ -22,7 +22,7 @@ associated load from above. Short searches by `lacore.coulomb_range` on 128 elem
 
 import lacore as la
 from verification.case import Band, Beside, Case, Convergence, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
 

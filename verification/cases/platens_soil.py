@@ -18,7 +18,7 @@ and what is certified depends on where one starts.
 
 import lacore as la
 from verification.case import Band, Beside, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.cases.shared.friction_inside import UNFIT
 
 ANGLE = 30.0

@@ -29,7 +29,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

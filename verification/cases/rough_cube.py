@@ -17,7 +17,7 @@ ones. No closed form is known: the reference is an interval of two strict bounds
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.cases.shared.tetrahedra import bounded, eighth, on_diagonal
 
 LOW, HIGH = 1.0401, 1.0517

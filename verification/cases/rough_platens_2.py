@@ -17,7 +17,7 @@ has the same block with friction instead.
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
 _ERROR = Convergence(0.862, 0.715, "32 to 4640 elements: 7.74, 2.22, 0.86, 0.42, 0.23 % above")

@@ -24,7 +24,7 @@ from math import pi
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.cases.shared.fitted import fitted_slab
 from verification.cases.shared.tetrahedra import CLAY, slab
 

@@ -29,7 +29,7 @@ from math import exp, pi, radians, tan
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.cases.shared.fitted import fitted_slab
 from verification.cases.shared.tetrahedra import slab
 

@@ -20,7 +20,7 @@ The toe is a singular point: meshes are graded towards it.
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.cases.shared.slopes import MESHES, held, mesh_of_slope
 
 _PROVEN = {(60.0, 20.0): (10.2925, 10.3907), (45.0, 10.0): (9.2090, 9.3098)}

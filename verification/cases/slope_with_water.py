@@ -27,7 +27,7 @@ rows, as pressures are linear in elements.
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.cases.shared.slopes import MESHES, held, mesh_of_slope
 
 _SLOPE, _ANGLE, _WATER = 60.0, 20.0, 0.5

@@ -31,7 +31,7 @@ import lacore as la
 from lacore.arrays import Bools, Floats
 from lacore.conditions.loads import Load
 from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 _HEAVY = {(20.0, 0.0): 17.893, (20.0, 1.0): 24.370}
 """By characteristics, at unit weight 1: (angle, surcharge) to the mean pressure."""

@@ -19,7 +19,7 @@ from math import cos, log, pi, sqrt
 
 import lacore as la
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 INNER, OUTER = 1.0, 2.0
 _MESHES = {

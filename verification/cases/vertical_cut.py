@@ -22,7 +22,7 @@ import numpy as np
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 _ERROR = Convergence(2.671, 0.707, "32 to 4744 elements: 22.7, 6.50, 3.00, 1.39, 0.64 % above")
 

@@ -22,7 +22,7 @@ import numpy as np
 
 import lacore as la
 from verification.case import Band, Case, Convergence, First, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 
 _PROVEN = {20.0: (5.4479, 5.5049), 30.0: (6.6528, 6.6869)}
 """By friction angle: a strict lower bound, and the least of spirals through the toe."""

@@ -16,7 +16,7 @@ from lacore.errors import (
     suggest,
 )
 from verification.case import UNKNOWN_KINDS, Band, Case, Order, Reference, Variant
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.case.case import described
 from verification.case.following import STEPPING, Following
 from verification.catalogue.first_checks import check_first

@@ -78,7 +78,7 @@ def main(ctx: click.Context) -> None:
 @json_option
 def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
     """List the verification cases, with their variants, mesh levels and tags."""
-    from verification.commands import tables
+    from verification.commands import screen, tables
 
     records = [
         {
@@ -100,7 +100,7 @@ def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
     if as_json:
         print_json(records)
     else:
-        tables.show_cases(tables.table_console(), records)
+        tables.show_cases(screen.table_console(), records)
 
 
 @click.command("backends", short_help="List the backends (solvers) and what they solve.")
@@ -111,13 +111,13 @@ def list_backends(as_json: bool) -> None:
     The list shows what each backend solves, its limits, when comparisons run it, and what is
     missing where it cannot run. Some backends offer several solvers, selected as NAME:SOLVER.
     """
-    from verification.commands import doctor, tables
+    from verification.commands import doctor, screen, tables
 
     records = [doctor.backend_record(*entry) for entry in doctor.all_backends()]
     if as_json:
         print_json(records)
     else:
-        tables.show_backends(tables.table_console(), records)
+        tables.show_backends(screen.table_console(), records)
 
 
 @click.command("conformance", short_help="Check backends on small programs.")
@@ -139,7 +139,7 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
       lacore conformance clarabel cvxpy:SCS
     """  # noqa: D301  # click reads the backspace
     from verification import conformance
-    from verification.commands import doctor, tables
+    from verification.commands import doctor, screen, tables
 
     named = backends or (name for name, _, missing in doctor.all_backends() if not missing)
     names = list(dict.fromkeys(named))
@@ -151,7 +151,7 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
         rows += [{"backend": name} | row for row in conformance.records(findings)]
         if not as_json:
             tables.show_conformance(
-                tables.table_console(),
+                screen.table_console(),
                 name,
                 conformance.by_program(findings),
                 conformance.failures(findings),
@@ -178,7 +178,7 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     that lacore needs works, 1 otherwise.
     """
     from verification import progress
-    from verification.commands import doctor, tables
+    from verification.commands import doctor, screen, tables
 
     entries = sum(1 for _ in doctor.all_backends())
     with progress.patiently("self-test", entries) as on_start:
@@ -186,5 +186,5 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     if as_json:
         print_json(found)
     else:
-        tables.show_health(tables.table_console(), found)
+        tables.show_health(screen.table_console(), found)
     ctx.exit(0 if found["healthy"] else 1)

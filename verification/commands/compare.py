@@ -31,9 +31,9 @@ from verification.defaults import RAW
 from verification.verdicts.words import tally
 
 if TYPE_CHECKING:
+    from verification.campaigns.run_all import Repeat
     from verification.runs.outcome import Outcome
     from verification.runs.run import Run
-    from verification.store.repeating import Repeat
 
 
 @click.command(short_help="Compare solvers with reference collapse loads.")
@@ -234,18 +234,22 @@ def _show(
     from verification.analysis.effort import couplings
     from verification.analysis.profiles import rates
     from verification.analysis.summary import summaries
-    from verification.commands import screen, tables
+    from verification.commands import screen
     from verification.store.results import RESULTS, as_table
 
     results = as_table(outcome.record() for outcome in outcomes)
-    console = tables.table_console()
+    console = screen.table_console()
     if full:
+        from verification.commands import tables
+
         tables.show_results(console, outcomes)
     else:
         screen.show_overview(console, summaries(outcomes))
         after += "; --full prints every run"
     screen.show_rates(console, rates(results, ["backend"]))
     if by_coupling:
+        from verification.commands import tables
+
         tables.show_couplings(console, couplings(results))
     places = {"Report": page, "Results": out / RESULTS}
     screen.show_end(console, tally(outcomes).text, places, after)

@@ -28,8 +28,8 @@ from verification.verdicts.words import FAIL
 
 if TYPE_CHECKING:
     from verification.campaigns.fuzzing import Tally
+    from verification.campaigns.run_all import Repeat
     from verification.runs.outcome import Outcome
-    from verification.store.repeating import Repeat
 
 _MOST_SHOWN = 12
 
@@ -136,9 +136,9 @@ def _show(tallies: Sequence[Tally], outcomes: Sequence[Outcome]) -> None:
     """Print the final table, reasons, and the first wrong results."""
     from rich.table import Table
 
-    from verification.commands import tables
+    from verification.commands import screen
 
-    console = tables.table_console()
+    console = screen.table_console()
     table = Table(box=None, pad_edge=False)
     for head in ("class", "problems", "loads", "certified", "%", "no load", "unknown", "rejected"):
         table.add_column(head, justify="left" if head == "class" else "right")

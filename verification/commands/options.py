@@ -21,8 +21,8 @@ from verification.defaults import TIME_LIMIT, cores
 from verification.usage import folder, positive, whole
 
 if TYPE_CHECKING:
+    from verification.campaigns.run_all import Repeat
     from verification.runs.outcome import Outcome
-    from verification.store.repeating import Repeat
 
 _STOPPED = 130  # as shells say of Ctrl-C
 _TERMINATED = 128 + signal.SIGTERM
@@ -106,7 +106,7 @@ def repeat_options(command: _Command) -> _Command:
 
 
 def _repeat(fresh: bool, retry: str | None) -> Repeat:
-    from verification.store.repeating import Repeat
+    from verification.campaigns.run_all import Repeat
 
     if fresh and retry:
         raise InputError("--retry", retry, "--fresh repeats all runs anyway", "omit one of them")
@@ -117,7 +117,7 @@ def _repeat(fresh: bool, retry: str | None) -> Repeat:
 
 def show_stored_failures(stored: Sequence[Outcome]) -> None:
     """Print how many failures are among the stored runs that are used, and how to repeat them."""
-    from verification.store.repeating import describe_failures
+    from verification.campaigns.run_all import describe_failures
 
     if text := describe_failures(stored):
         click.echo(text, err=True)

@@ -96,11 +96,11 @@ def _show(tallies: Sequence[Tally], rows: Sequence[Row]) -> None:
     """Print a table for each backend, and the first results that are not right."""
     from rich.table import Table
 
-    from verification.commands import tables
+    from verification.commands import screen
     from verification.fuzz.programs.judge import REFUSED, RIGHT
     from verification.fuzz.programs.sweep import LARGE
 
-    console = tables.table_console()
+    console = screen.table_console()
     table = Table(box=None, pad_edge=False)
     heads = ("backend", "family", "programs", "right", "wrong", "no result", "rejected")
     for head in (*heads, f"right from {LARGE}", "s"):

@@ -56,7 +56,7 @@ def report(
     results.csv contains all runs.
     """
     from verification.campaigns.compared_programs import copy_programs
-    from verification.commands import screen, tables
+    from verification.commands import screen
     from verification.report.reporting import write_report
     from verification.store.logs import copy_logs
     from verification.store.results import load_outcomes
@@ -80,7 +80,7 @@ def report(
         print_json({"summary": vars(tally(outcomes)), "report": str(page)})
         return
     after = "open the report in a browser; `lacore verify` checks every case"
-    screen.show_end(tables.table_console(), tally(outcomes).text, {"Report": page}, after)
+    screen.show_end(screen.table_console(), tally(outcomes).text, {"Report": page}, after)
 
 
 @click.command(short_help="Write the verification manual.")
@@ -111,7 +111,7 @@ def manual(
     allowed error with its reason, and the results of `lacore verify` with their certificates. CASE
     is the name of a case. Without CASE, all cases that have results are shown.
     """
-    from verification.commands import screen, tables
+    from verification.commands import screen
     from verification.report.manual import write_manual
     from verification.store.results import load_outcomes
     from verification.verdicts.words import tally
@@ -130,7 +130,7 @@ def manual(
         print_json({"summary": vars(tally(outcomes)), "manual": str(page)})
         return
     after = "open the manual in a browser; each page shows how to run its case"
-    screen.show_end(tables.table_console(), tally(outcomes).text, {"Manual": page}, after)
+    screen.show_end(screen.table_console(), tally(outcomes).text, {"Manual": page}, after)
 
 
 @click.command(short_help="Compare stored results of several versions.")
@@ -157,7 +157,7 @@ def history(ctx: click.Context, results: tuple[Path, ...], out: Path, as_json: b
       lacore history old/results.csv reports/compare --out /tmp/history
     """  # noqa: D301  # click reads the backspace
     from verification.analysis.history import history as compare_versions
-    from verification.commands import screen, tables
+    from verification.commands import screen
     from verification.report.files import write
     from verification.report.studies.history import history_report
     from verification.store.versions import load_versions
@@ -179,7 +179,7 @@ def history(ctx: click.Context, results: tuple[Path, ...], out: Path, as_json: b
         }
         print_json(document)
     else:
-        screen.show_history(tables.table_console(), versions, found)
+        screen.show_history(screen.table_console(), versions, found)
         click.echo(f"Report:  {page}")
     ctx.exit(1 if found.worse else 0)
 

@@ -12,7 +12,6 @@ from rich.console import Console
 
 from verification.analysis.summary import DISCRETE, Shortfall, VariantSummary
 from verification.case import SOLVER
-from verification.commands.tables import print_line
 from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 if TYPE_CHECKING:
@@ -35,6 +34,18 @@ _HEADS = (
     ("", "", "proven bounds", "", "", "backends", "solve", ""),
     ("", "reference", "or value", "error", "tolerance", "agreeing", "time", "verdict"),
 )
+
+
+def table_console() -> Console:
+    """Stdout, at least as wide as the table of results: piped output must not be cut."""
+    console = Console()
+    console.width = max(console.width, WIDTH)
+    return console
+
+
+def print_line(console: Console, text: str, style: str = "") -> None:
+    """One line, neither cut nor wrapped."""
+    console.print(text, style=style, highlight=False, markup=False, soft_wrap=True)
 
 
 def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:

@@ -32,8 +32,8 @@ from verification.verdicts.words import FAIL
 if TYPE_CHECKING:
     import pandas as pd
 
+    from verification.campaigns.run_all import Repeat
     from verification.runs.outcome import Outcome
-    from verification.store.repeating import Repeat
 
 PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 """Options whose errors have a theory (T19)."""
@@ -117,7 +117,7 @@ def sweep(
     from verification import progress
     from verification.campaigns.run_all import run_all
     from verification.campaigns.sweep import plan
-    from verification.commands import tables
+    from verification.commands import screen, tables
     from verification.store.results import export, load_results
     from verification.store.store import NAME
 
@@ -143,7 +143,7 @@ def sweep(
     if as_json:
         print_json(_document(out, outcomes, slopes, orders))
     else:
-        console = tables.table_console()
+        console = screen.table_console()
         tables.show_sweep(console, outcomes)
         if slopes:
             tables.show_slopes(console, slopes)

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 import lacore as la
+from verification.commands.screen import print_line
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.verdicts.words import FAIL, PASS, SKIPPED
@@ -17,15 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _STYLES = {PASS: "", FAIL: "bold red"}
-_WIDTH = 120
 _MOST_REASONS = 10
-
-
-def table_console() -> Console:
-    """Stdout, at least as wide as the table of results: piped output must not be cut."""
-    console = Console()
-    console.width = max(console.width, _WIDTH)
-    return console
 
 
 def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
@@ -237,11 +230,6 @@ def show_cases(console: Console, records: Sequence[dict[str, Any]]) -> None:
 
 def _text(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
-
-
-def print_line(console: Console, text: str, style: str = "") -> None:
-    """One line, neither cut nor wrapped."""
-    console.print(text, style=style, highlight=False, markup=False, soft_wrap=True)
 
 
 def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:

@@ -26,7 +26,7 @@ from verification.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from verification.store.repeating import Repeat
+    from verification.campaigns.run_all import Repeat
 
 
 @click.command(short_help="Check the results of all cases.")
@@ -100,7 +100,7 @@ def verify(
     """  # noqa: D301  # click reads the backspace
     from verification import progress
     from verification.campaigns.run_all import run_all
-    from verification.commands import screen, tables, verify_tables
+    from verification.commands import screen, verify_tables
     from verification.perform.processes import run_in_processes
     from verification.store.provenance import describe
     from verification.store.results import export
@@ -141,7 +141,7 @@ def verify(
         }
         print_json(document)
     else:
-        console = tables.table_console()
+        console = screen.table_console()
         (verify_tables.show_findings if full else verify_tables.show_cases)(console, findings)
         rare = {"no_result": "without result", "no_reference": "without reference"}
         unjudged = "".join(f", {count[kind]} {text}" for kind, text in rare.items() if count[kind])

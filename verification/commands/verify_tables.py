@@ -7,8 +7,7 @@ from rich.console import Console
 
 from verification.analysis.summary import Shortfall
 from verification.campaigns.comparison import is_regularised
-from verification.commands.screen import show_shortfalls
-from verification.commands.tables import print_line
+from verification.commands.screen import print_line, show_shortfalls
 from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verify.finding import Finding
 

@@ -13,7 +13,7 @@ from lacore.arrays import Floats
 from lacore.bounds.enclosing import associated, has_coulomb
 from lacore.coupling.kinds import ASSOCIATED
 from lacore.solvers.compilation import SolveClock
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.evidence.bracket import Shares, packed_shares
 from verification.evidence.limit_state import records
 from verification.perform.irregular import irregular

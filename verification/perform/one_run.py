@@ -10,7 +10,7 @@ from typing import Any
 
 import lacore as la
 from lacore.errors import BackendError
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from verification.analysis.slopes import fit_slope
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.report.blocks import Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted
 from verification.report.columns import Column

@@ -9,7 +9,7 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from verification.case import Case, is_of_lacore
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import described
 from verification.perform.pool import answers
 from verification.report.blocks import Picture, Text

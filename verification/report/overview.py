@@ -8,7 +8,7 @@ import pandas as pd
 
 from verification.analysis.summary import VariantSummary, summaries
 from verification.case import Case
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.report.blocks import Card, Cards, Filters, Page, Picture, Table
 from verification.report.columns import Column
 from verification.report.description import lead

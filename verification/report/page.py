@@ -9,7 +9,7 @@ import pandas as pd
 
 from verification.analysis.settings import settings
 from verification.case import EXACT, SOLVER, Case
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.report import document
 from verification.report.blocks import (

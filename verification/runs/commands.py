@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from verification.case import Variant
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.runs.run import Run, canonical
 

@@ -18,7 +18,7 @@ import lacore as la
 from lacore.certificate import Certificate
 from lacore.paths.ending import Ending
 from lacore.reporting.findings import restored
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.runs.row import STRICT, Row
 from verification.runs.run import FUZZ

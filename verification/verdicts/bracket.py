@@ -5,7 +5,7 @@ from math import inf, isfinite
 
 from lacore.adaptive.bracket import width
 from verification.case import Band, Reference
-from verification.case.bracketing import PROVEN, Bracketing
+from verification.case.band import PROVEN, Bracketing
 from verification.runs.row import STRICT, Row
 from verification.verdicts.allowed import cannot_judge
 from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED

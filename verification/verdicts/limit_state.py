@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import lacore as la
 from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from verification.case import Band, Reference
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.verdicts.allowed import (
     Allowed,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 import lacore as la
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.evidence.limit_state import recheck
 from verification.evidence.path import recheck_step
 from verification.evidence.span_nodes import as_solved

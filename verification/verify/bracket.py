@@ -5,7 +5,7 @@ from math import inf, isclose, isfinite, nan
 
 import lacore as la
 from verification.case import Reference
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.evidence.bracket import Shares, unpacked_shares
 from verification.runs.outcome import Outcome
 from verification.verdicts.bracket import judge_bracket

@@ -7,7 +7,7 @@ import lacore as la
 from verification.campaigns.comparison import capabilities, is_regularised, plan
 from verification.campaigns.overview import shown_first
 from verification.case import Case, Reference, Variant
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.case.case import RANGE
 from verification.catalogue.catalogue import Catalogue
 from verification.runs.run import Run

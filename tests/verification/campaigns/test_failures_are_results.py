@@ -8,13 +8,12 @@ import pytest
 import lacore as la
 from tests.verification.command_line import lacore, run_in_order
 from verification.campaigns.comparison import plan
-from verification.campaigns.run_all import run_all
+from verification.campaigns.run_all import Repeat, describe_failures, is_failure, run_all
 from verification.perform.one_run import run_here
 from verification.perform.processes import lost
 from verification.report import reporting
 from verification.report.reporting import GrowingReport
 from verification.store.manifest import whole_file
-from verification.store.repeating import Repeat, describe_failures, is_failure
 from verification.store.store import NAME, Store, entries
 from verification.verdicts.words import FAIL, PASS
 

@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.state import contact_force
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.catalogue.catalogue import catalogue, find
 from verification.perform.one_run import run_here
 from verification.verdicts.allowed import Allowed, allowed_values

@@ -290,7 +290,7 @@ def test_bad_files_get_one_sentence(planted, replacements, message):
 def test_a_bracket_says_what_it_must(planted, stated, message):
     imported = (
         "import lacore as la\n",
-        "import lacore as la\nfrom verification.case.bracketing import Bracketing\n",
+        "import lacore as la\nfrom verification.case.band import Bracketing\n",
     )
     folder = planted(imported, ("build=build", f"build=build,\n    bracket={stated}"))
     done = run("cases", "--cases", folder)

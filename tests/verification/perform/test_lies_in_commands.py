@@ -12,7 +12,7 @@ from tests.lacore.models import punch
 from tests.lacore.paths.path_billets import billet
 from tests.lying_backends import LIES, Undescribed, Untidy, register
 from verification import conformance
-from verification.case.bracketing import BRACKET, PROVEN
+from verification.case.band import BRACKET, PROVEN
 from verification.commands import cli
 from verification.fuzz.programs.drawn import draw_program
 from verification.fuzz.programs.judge import RIGHT, WRONG

@@ -13,7 +13,7 @@ from verification.analysis.effort import couplings
 from verification.analysis.profiles import rates
 from verification.campaigns.comparison import plan
 from verification.case import UNKNOWN_KINDS, Band, Order, Reference
-from verification.case.bracketing import Bracketing
+from verification.case.band import Bracketing
 from verification.case.following import Following, Reading
 from verification.catalogue.catalogue import Catalogue, find
 from verification.catalogue.checks import check

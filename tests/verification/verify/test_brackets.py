@@ -18,7 +18,7 @@ from lacore.meshes.checks import quality
 from tests.verification.command_line import lacore
 from verification.analysis.slopes import fit_slope
 from verification.case import UNKNOWN, Reference
-from verification.case.bracketing import BRACKET, Bracketing
+from verification.case.band import BRACKET, Bracketing
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.evidence.bracket import packed_shares, unpacked_shares
 from verification.perform.irregular import irregular

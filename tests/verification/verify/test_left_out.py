@@ -5,7 +5,7 @@ import pytest
 from tests.verification.command_line import lacore
 from verification.campaigns.comparison import capabilities, is_regularised
 from verification.campaigns.overview import shown_first
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.catalogue.catalogue import Catalogue, catalogue
 from verification.verify import ask, left_out, runs_of
 

@@ -17,7 +17,7 @@ import verification.catalogue.plugins as plugins
 from tests.conftest import ROOT
 from tests.verification.command_line import lacore
 from verification.case import Band, Reference
-from verification.case.bracketing import BRACKET
+from verification.case.band import BRACKET
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.evidence.limit_state import packed, unpacked
 from verification.perform.one_run import run_here
