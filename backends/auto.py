@@ -125,15 +125,13 @@ class AutoSolver:
     """
 
     def __init__(self, program: KinematicProgram, options: AutoOptions, least: int) -> None:
-        from lacore.numerics import symmetric  # not for `capabilities`
-
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
         # Of blocks alone vertices are degenerate, and one in four ends without progress. Of soils
         # that next to nothing but pressure makes strong it loses a twentieth of a lower bound.
         fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
         fits &= not (program.presses and _above(program))
-        self._quick = symmetric.fast_solver() is not None
+        self._quick = _factorises_fast()
         self._leads = _size(program) >= least and fits and self._quick
         self._in_vain = False
 
@@ -208,6 +206,13 @@ class AutoSolver:
         for solver in self._solvers.values():
             solver.close()
         self._solvers.clear()
+
+
+def _factorises_fast() -> bool:
+    """Whether a library factorises symmetric matrices faster than SciPy."""
+    from lacore.numerics.symmetric import fast_solver  # not for `capabilities`
+
+    return fast_solver() is not None
 
 
 def _smooth(group: DissipationGroup) -> bool:

@@ -13,7 +13,6 @@ from backends.clarabel_socp import ClarabelSolver
 from lacore.assembly.discretise import discretise
 from lacore.bounds.static_model import static_model
 from lacore.certificate import certify
-from lacore.numerics.linear_algebra import SuperLU
 from lacore.program import associated_contact, dimensionless
 from lacore.status import Status
 from tests.lacore.models import punch, square
@@ -34,7 +33,7 @@ def smooth():
 @pytest.fixture
 def fast(monkeypatch):
     """As where PARDISO is installed."""
-    monkeypatch.setattr("lacore.numerics.symmetric.fast_solver", lambda: SuperLU)
+    monkeypatch.setattr("backends.auto._factorises_fast", lambda: True)
 
 
 def test_auto_takes_clarabel_for_little_for_several_surfaces_and_for_blocks(smooth):
@@ -205,7 +204,7 @@ def test_auto_keeps_a_load_of_zero_of_which_all_residuals_are_of_order_one(fast,
 
 
 def test_without_a_fast_factorisation_clarabel_is_asked_alone(smooth, stopped, monkeypatch):
-    monkeypatch.setattr("lacore.numerics.symmetric.fast_solver", lambda: None)
+    monkeypatch.setattr("backends.auto._factorises_fast", lambda: False)
     stopped()
     (found,) = asked(smooth[0], smooth[1:], 0)
     assert found.native_status == f"clarabel: {STALLED}"
