@@ -12,10 +12,10 @@ from verification.cases import sheet_drawing
 BALANCE = 1e-6  # of the power of the load
 
 
-def drawn(process, steps, **more):
+def drawn(process, steps, angle=30.0, **more):
     scheme = "leapfrog"
-    problem = sheet_drawing.build(3, process, 30.0, steps, scheme)
-    stated = sheet_drawing.path(process, 30.0, steps, scheme)
+    problem = sheet_drawing.build(3, process, angle, steps, scheme)
+    stated = sheet_drawing.path(process, angle, steps, scheme)
     control, facing = stated.control, stated.approaching
     return la.sequential(problem, stated.travel, steps, scheme, control, approaching=facing, **more)
 
@@ -33,9 +33,11 @@ def assert_balanced(path):
         assert plastic + closing == pytest.approx(load, rel=BALANCE)
 
 
-@pytest.mark.parametrize("process", ["drawing", "extrusion"])
-def test_power_is_balanced(process):
-    assert_balanced(drawn(process, 3))
+@pytest.mark.parametrize(
+    ("process", "angle"), [("drawing", 30.0), ("drawing", 10.0), ("extrusion", 30.0)]
+)
+def test_power_is_balanced(process, angle):
+    assert_balanced(drawn(process, 3, angle))
 
 
 @pytest.mark.slow
