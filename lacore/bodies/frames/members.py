@@ -103,19 +103,7 @@ def read_sections(
     members: tuple[str, ...],
 ) -> tuple[Section, ...]:
     """Sections of the members; raises `InputError` where one is none, missing or given twice."""
-    found: dict[str, Section] = {}
-    if isinstance(sections, Section):
-        found = dict.fromkeys(members, sections)
-    elif isinstance(sections, Mapping):
-        for name, own in sections.items():
-            require_known("Frame.sections", name, members)
-            if not isinstance(own, Section):
-                fix = "give one of lacore.sections: standard('IPE 300', 235e6), bar(1e5), ..."
-                raise InputError(f"Frame.sections[{name!r}]", own, "not a section", fix)
-            found[name] = own
-    elif sections is not None:
-        fix = "give a section of lacore.sections, or {'member': section}"
-        raise InputError("Frame.sections", sections, "not a section", fix)
+    found = _given_sections(sections, members)
     if isinstance(moment, Mapping):
         for name, value in moment.items():
             require_known("Frame.plastic_moment", name, members)
@@ -137,6 +125,25 @@ def read_sections(
             "Frame.plastic_moment", missing, "members without one", "give one for each member"
         )
     return tuple(found[name] for name in members)
+
+
+def _given_sections(
+    sections: Section | Mapping[str, Section] | None, members: tuple[str, ...]
+) -> dict[str, Section]:
+    """Sections by member, of those that have one; raises `InputError` where one is none."""
+    if sections is None:
+        return {}
+    if isinstance(sections, Section):
+        return dict.fromkeys(members, sections)
+    if not isinstance(sections, Mapping):
+        fix = "give a section of lacore.sections, or {'member': section}"
+        raise InputError("Frame.sections", sections, "not a section", fix)
+    for name, own in sections.items():
+        require_known("Frame.sections", name, members)
+        if not isinstance(own, Section):
+            fix = "give one of lacore.sections: standard('IPE 300', 235e6), bar(1e5), ..."
+            raise InputError(f"Frame.sections[{name!r}]", own, "not a section", fix)
+    return dict(sections)
 
 
 def _of_moment(moment: float) -> Section:

@@ -120,18 +120,7 @@ def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
         >>> round(two.plastic_moment, 3)
         1000.0
     """
-    shown = list(parts) if isinstance(parts, Sequence | np.ndarray) else parts
-    good = isinstance(shown, list) and all(len(part) == 3 for part in shown if np.ndim(part) == 1)
-    if not (good and shown and all(np.ndim(part) == 1 for part in shown)):
-        fix = "give [(y, tension, compression), ...], m and N/m"
-        raise InputError("parts", parts, "not fibres", fix)
-    for y, tension, compression in shown:
-        if not (is_number(y) and all(is_number(s) and s >= 0 for s in (tension, compression))):
-            raise InputError(
-                "parts", (y, tension, compression), "no fibre", "give a place and strengths >= 0"
-            )
-        require_range("parts", y, tension, compression)
-    y, tension, compression = np.array(shown, dtype=np.float64).T
+    y, tension, compression = _read_fibres(parts)
     bears = tension + compression > 0
     if not bears.any():
         raise InputError("parts", parts, "fibres that bear nothing", "give strengths")
@@ -144,6 +133,22 @@ def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
     upper, lower = chains
     lower[-1] = upper[-1]  # the same sums, but for round-off
     return Section(tuple(map(tuple, upper.tolist())), name, tuple(map(tuple, lower.tolist())))
+
+
+def _read_fibres(parts: Sequence[Sequence[float]]) -> Floats:
+    """Heights and strengths of fibres, (3, n); raises `InputError` where they are none."""
+    shown = list(parts) if isinstance(parts, Sequence | np.ndarray) else parts
+    good = isinstance(shown, list) and all(len(part) == 3 for part in shown if np.ndim(part) == 1)
+    if not (good and shown and all(np.ndim(part) == 1 for part in shown)):
+        fix = "give [(y, tension, compression), ...], m and N/m"
+        raise InputError("parts", parts, "not fibres", fix)
+    for y, tension, compression in shown:
+        if not (is_number(y) and all(is_number(s) and s >= 0 for s in (tension, compression))):
+            raise InputError(
+                "parts", (y, tension, compression), "no fibre", "give a place and strengths >= 0"
+            )
+        require_range("parts", y, tension, compression)
+    return np.array(shown, dtype=np.float64).T
 
 
 def rigid() -> Section:

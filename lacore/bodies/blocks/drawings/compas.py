@@ -138,16 +138,22 @@ def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
                 "its element is moved by a transformation, of which only compas knows all",
                 "write the blocks where they are: Block.from_mesh(element.modelgeometry)",
             )
-        vertex, face = own.get("vertex"), own.get("face")
-        if not (isinstance(vertex, dict) and isinstance(face, dict) and face):
-            continue
-        places = [[point.get(axis, 0.0) for axis in "xyz"] for point in vertex.values()]
-        number = {name: n for n, name in enumerate(vertex)}
-        known = all(str(name) in number for corners in face.values() for name in corners)
-        if known and all(is_number(value) for place in places for value in place):
-            faces = [[number[str(name)] for name in corners] for corners in face.values()]
-            return np.array(places, dtype=np.float64), faces
+        if (mesh := _vertices_and_faces(own.get("vertex"), own.get("face"))) is not None:
+            return mesh
     raise refused(path, f"handle {key}", "a node without the mesh of a block", "add its block")
+
+
+def _vertices_and_faces(vertex: Any, face: Any) -> tuple[Floats, list[list[int]]] | None:
+    """A mesh from its entries by key; None where they are no mesh."""
+    if not (isinstance(vertex, dict) and isinstance(face, dict) and face):
+        return None
+    places = [[point.get(axis, 0.0) for axis in "xyz"] for point in vertex.values()]
+    number = {name: n for n, name in enumerate(vertex)}
+    known = all(str(name) in number for corners in face.values() for name in corners)
+    if not (known and all(is_number(value) for place in places for value in place)):
+        return None
+    faces = [[number[str(name)] for name in corners] for corners in face.values()]
+    return np.array(places, dtype=np.float64), faces
 
 
 def _rests(transformation: Any) -> bool:

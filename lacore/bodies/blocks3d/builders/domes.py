@@ -53,19 +53,7 @@ def dome(
         >>> len(dome.names)
         18
     """
-    require_count("dome.meridians", meridians)
-    require_count("dome.rings", rings)
-    require_positive("dome.radius", radius)
-    require_positive("dome.thickness", thickness)
-    if meridians < 3:
-        raise InputError("dome.meridians", meridians, "no ring closes", "give at least 3")
-    if thickness >= 2 * radius:
-        raise InputError("dome.thickness", thickness, "more than the radius", "give less")
-    if not (is_number(springing) and 0 < springing <= 3 * pi / 4):
-        raise InputError("dome.springing", springing, "no springing", "give 0 < angle <= 3 pi/4")
-    if not (is_number(oculus) and 0 < oculus < springing):
-        fix = "give an angle (rad) above 0 and below the springing: a ring needs a hole"
-        raise InputError("dome.oculus", oculus, "no oculus", fix)
+    _require_dome(meridians, rings, radius, thickness, oculus, springing)
     sectors = 2 if bond else 1
     around = 2 * pi * np.arange(meridians * sectors) / (meridians * sectors)
     polar = np.linspace(springing, oculus, rings + 1)
@@ -83,6 +71,25 @@ def dome(
             own = [(sectors * place + k) % around.size for k in range(sectors + 1)]
             blocks[f"base{place + 1}"] = _block(grid[rings + 1], grid[0], own)
     return BlockAssembly3D(blocks, friction, crushing=crushing)
+
+
+def _require_dome(
+    meridians: int, rings: int, radius: float, thickness: float, oculus: float, springing: float
+) -> None:
+    """Raise `InputError` where numbers make no dome; they are those of `dome`."""
+    require_count("dome.meridians", meridians)
+    require_count("dome.rings", rings)
+    require_positive("dome.radius", radius)
+    require_positive("dome.thickness", thickness)
+    if meridians < 3:
+        raise InputError("dome.meridians", meridians, "no ring closes", "give at least 3")
+    if thickness >= 2 * radius:
+        raise InputError("dome.thickness", thickness, "more than the radius", "give less")
+    if not (is_number(springing) and 0 < springing <= 3 * pi / 4):
+        raise InputError("dome.springing", springing, "no springing", "give 0 < angle <= 3 pi/4")
+    if not (is_number(oculus) and 0 < oculus < springing):
+        fix = "give an angle (rad) above 0 and below the springing: a ring needs a hole"
+        raise InputError("dome.oculus", oculus, "no oculus", fix)
 
 
 def _bed(shells: Floats, polar: float, around: Floats) -> Floats:
