@@ -15,6 +15,9 @@ from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.precision import exactness
 from lacore.bounds.upper import UpperBound
 from lacore.limit.reached import reached_supports
+from lacore.reporting.findings import Finding, Severity, texts
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import PYTHON, Reader
 from lacore.showing import Compact, Facts, Picture, Shown, counted
 from lacore.status import Rigor, Status
 
@@ -48,8 +51,8 @@ class Ending(Enum):
         "the load factor is zero as far as can be told: both bounds are, per strength over load,"
         " within a thousandth of the target width, and a width per load factor never closes there"
     )
-    NO_BOUND = "not reached: a bound could not be proven; see `failure`"
-    CROSSED = "the bounds cross, so that one of them is no bound: see `failure`, and report it"
+    NO_BOUND = "not reached: a bound could not be proven"
+    CROSSED = "the bounds cross, so that one of them is no bound: report it"
 
     @property
     def label(self) -> str:
@@ -94,12 +97,11 @@ class Bracket(Shown):
         lower_bound, upper_bound: the best ones, with their states and meshes.
         target_width: as asked for.
         history: one row a solve, see `Step`.
-        failure: why there is no bound, on either side: its mesh is locked or unsafe, or the solver
-            failed; or how far bounds cross; else empty.
+        failures: Why there is no bound, on either side: its mesh is locked or unsafe, or the solver
+            failed; or how far bounds cross.
         coulomb: whether the problem has Coulomb friction: the lower bound is then one of the
             problem without it, the upper one of that with associated friction (T14).
-        stopped: which side stopped at how many elements, and why; empty where the target is
-            reached.
+        stops: Which side stopped at how many elements, and why; empty where the target is reached.
     """
 
     status: Ending
@@ -107,9 +109,9 @@ class Bracket(Shown):
     upper_bound: UpperBound
     target_width: float
     history: pd.DataFrame
-    failure: str
+    failures: tuple[Finding, ...]
     coulomb: bool = False
-    stopped: str = ""
+    stops: tuple[Finding, ...] = ()
 
     @property
     def lower(self) -> float:
@@ -146,23 +148,41 @@ class Bracket(Shown):
         return heading(self.lower, self.upper, self.width, self.status.label, bounded)
 
     @property
-    def message(self) -> str:
-        """The status in words, what it is proven of, what failed, which supports are too near."""
-        proven_of = ""
+    def failure(self) -> str:
+        """Text of the failures; empty without any."""
+        return texts(self.failures)
+
+    @property
+    def stopped(self) -> str:
+        """Text of `stops`; empty where the target is reached."""
+        return texts(self.stops)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What stopped, what is proven, what failed, and which supports are too near."""
+        proven_of = None
         if self.strict:
-            proven_of = "both bounds are proven"
-            if self.coulomb:
-                proven_of += " of every Coulomb load factor"
+            proven_of = Kind.BOUNDS_PROVEN_OF_COULOMB if self.coulomb else Kind.BOUNDS_PROVEN
         elif self.polygonal:
-            proven_of = (
-                "both bounds are of the polygon that stands for a curved outline"
-                " (Body.geometry='approximated'), not of the body"
-            )
+            proven_of = Kind.BOUNDS_OF_POLYGON
         upper = self.upper_bound
         moved = upper.velocity if upper.status is Status.SOLVED else None
         reached = reached_supports(upper.discretisation, moved)
-        told = (self.status.value, self.stopped, proven_of, self.failure, str(reached or ""))
-        return "; ".join(filter(None, told))
+        return (
+            *self.stops,
+            *([] if proven_of is None else [Finding(proven_of)]),
+            *self.failures,
+            *([] if reached is None else [reached]),
+        )
+
+    def text_for(self, reader: Reader) -> str:
+        """Return the text of the status and of all findings."""
+        return "; ".join(filter(None, (self.status.value, texts(self.findings, reader))))
+
+    @property
+    def message(self) -> str:
+        """Text of the status and of all findings."""
+        return self.text_for(PYTHON)
 
     def gaps(self) -> GapIdentity:
         """Compute the shares of the elements in the gap, on the mesh of the upper bound (T26).
@@ -242,11 +262,11 @@ def width(lower: float, upper: float) -> float:
     return (upper - lower) / mean if mean > 0 else np.inf
 
 
-def crossing(lower: LowerBound, upper: UpperBound) -> str:
-    """In words how far a lower bound lies above an upper one; empty within round-off."""
+def crossing(lower: LowerBound, upper: UpperBound) -> Finding | None:
+    """Return how far a lower bound lies above an upper one; None within round-off."""
     below, above = proven(lower, -np.inf), proven(upper, np.inf)
     if not below > above:
-        return ""
+        return None
     power = sum(float(part.sum()) for part in upper.dissipation.values())
     # Of the sums: dead loads may cancel most of it; strains of what moves as rigid are round-off of
     # its speed.
@@ -255,8 +275,9 @@ def crossing(lower: LowerBound, upper: UpperBound) -> str:
     size = max(abs(below), abs(above), power, moving)
     exact = exactness(dofs.body for dofs in upper.discretisation.continua.values())
     if below - above <= _SUMMED * exact * size:
-        return ""
-    return f"lower bound {below:.9g} above upper bound {above:.9g}, width {width(below, above):.3%}"
+        return None
+    values = {"lower": below, "upper": above, "width": width(below, above)}
+    return Finding(Kind.BOUNDS_CROSS, (), values, Severity.WARNING)
 
 
 def proven(bound: LowerBound | UpperBound | None, otherwise: float) -> float:

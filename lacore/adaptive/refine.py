@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
@@ -31,6 +31,8 @@ from lacore.limit.solve import solve
 from lacore.meshes.checks import quality
 from lacore.meshes.refinement import grown
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 from lacore.status import Status
 
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
@@ -150,20 +152,24 @@ def bracket(
     assert isinstance(upper, UpperBound)
     for kind, bound in run.best.items():
         if bound.status is not Status.SOLVED:
-            run.failures[kind] = run.failures[kind] or str(bound.unanswered(backend))
+            run.failures[kind] = run.failures[kind] or bound.unanswered(backend)
     wrong = sorted((run.failures | run.absent).items())
-    failed = [f"{kind} bound: {why}" for kind, why in wrong if why]
-    if ending is Ending.CROSSED:
-        failed.append(crossing(lower, upper))
+    failed = [
+        Finding(Kind.BOUND_FAILED, (kind,), {"why": why}, Severity.WARNING)
+        for kind, why in wrong
+        if why is not None
+    ]
+    if crossed := crossing(lower, upper) if ending is Ending.CROSSED else None:
+        failed.append(crossed)
     return Bracket(
         status=ending,
         lower_bound=lower,
         upper_bound=upper,
         target_width=target_width,
         history=pd.DataFrame(run.rows),
-        failure="; ".join(failed),
+        failures=tuple(failed),
         coulomb=run.coulomb,
-        stopped="" if ending is Ending.REACHED else run.stopped(tracks),
+        stops=() if ending is Ending.REACHED else tuple(run.stops(tracks)),
     )
 
 
@@ -180,8 +186,8 @@ class _Run:
     on_step: Callable[[Step], None] | None
     coulomb: bool
     best: dict[str, Bound] = field(default_factory=dict)
-    failures: dict[str, str] = field(default_factory=dict)
-    absent: dict[str, str] = field(default_factory=dict)
+    failures: dict[str, Finding | None] = field(default_factory=dict)
+    absent: dict[str, Finding] = field(default_factory=dict)
     rows: list[dict[str, Any]] = field(default_factory=list)
     seen: list[tuple[int, float]] = field(default_factory=list)
     sharper: dict[str, float] = field(default_factory=dict)
@@ -285,8 +291,7 @@ class _Run:
         # Elements that are too few to carry the dead loads, or to flow, are no failure.
         few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
         fails = not (holds or bound.status is few[kind])
-        named = str(bound.unanswered(self.solver.backend))
-        self.failures[kind] = named if fails else ""
+        self.failures[kind] = bound.unanswered(self.solver.backend) if fails else None
         if self.coulomb and bound.status is few[kind]:
             self._ask_whether_any(kind, asked.problem)
         self._tell(kind, bound, mesh_of(asked.problem))
@@ -297,11 +302,9 @@ class _Run:
             kind == "lower"
             and solve(problem, self.solver.backend, "associated").status is Status.UNSAFE
         ):
-            self.absent[kind] = (
-                "none; without Coulomb friction the dead loads collapse the structure"
-            )
+            self.absent[kind] = Finding(Kind.NONE_WITHOUT_FRICTION)
         if kind == "upper" and lower_bound(problem, self.solver.backend).status is Status.LOCKED:
-            self.absent[kind] = "none; with associated friction stresses carry any load"
+            self.absent[kind] = Finding(Kind.NONE_WITH_ASSOCIATED_FRICTION)
 
     def _tell(self, kind: str, bound: Bound, mesh: MeshTri) -> None:
         step = Step(
@@ -328,7 +331,7 @@ class _Run:
         if self.width <= self.target:
             return Ending.REACHED
         if any(
-            why and self.best[kind].status is not Status.SOLVED
+            why is not None and self.best[kind].status is not Status.SOLVED
             for kind, why in self.failures.items()
         ):
             return Ending.NO_BOUND
@@ -352,18 +355,15 @@ class _Run:
         spent = len(last) == _PATIENCE and max(last) <= _NOTHING * small
         return Ending.NO_PROGRESS if spent else None
 
-    def stopped(self, tracks: Sequence[Track]) -> str:
-        """In words which side stopped, where, and why."""
-        told = []
+    def stops(self, tracks: Sequence[Track]) -> Iterator[Finding]:
+        """Yield which side stopped, where, and why."""
         for track in tracks:
             closed = self.closed(track)
-            why = "it would have gone on" if closed is None else closed.label
+            why: Finding | str = "it could be refined further" if closed is None else closed.label
             if track.late:
-                why = f"a solve of {track.late} would end after the time limit"
-            kinds = " and ".join(track.kinds)
-            bounds = "bounds" if len(track.kinds) > 1 else "bound"
-            told.append(f"{kinds} {bounds} stopped at {track.elements} elements: {why}")
-        return ", ".join(told)
+                why = Finding(Kind.NEXT_SOLVE_LATE, values={"elements": track.late})
+            kind = Kind.BOUNDS_STOPPED if len(track.kinds) > 1 else Kind.BOUND_STOPPED
+            yield Finding(kind, track.kinds, {"elements": track.elements, "why": why})
 
     def refined(self, track: Track, times: float) -> Problem | None:
         """The problem on the next mesh, of so many times its elements, if that may be."""

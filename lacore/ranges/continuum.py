@@ -12,6 +12,8 @@ from lacore.bounds.enclosing import associated, frictionless
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import CapabilityError, InputError
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.showing import Compact
 from lacore.status import Rigor
 
@@ -23,12 +25,12 @@ class ContinuumRange(Compact):
     Attributes:
         lower, upper: strict bounds of the problem without Coulomb friction and of that with
             associated friction; -inf and inf where there is none.
-        missing: why there is none; empty where there are both.
+        missing: Why there is none; empty where there are both.
     """
 
     lower: float
     upper: float
-    missing: str
+    missing: tuple[Finding, ...]
 
 
 def continuum_range(
@@ -49,36 +51,39 @@ def continuum_range(
         InputError: a target that no bracket of this problem can be made for.
     """
     if stated.points.obstacles or not stated.program.homogeneous:
-        return ContinuumRange(-inf, inf, "a state within a step of a path has none")
+        return ContinuumRange(-inf, inf, (Finding(Kind.STEP_OF_PATH),))
     if stated.crushing.size:
-        return ContinuumRange(-inf, inf, _CELLS)
+        return ContinuumRange(-inf, inf, (Finding(Kind.CELLS_OF_JOINTS),))
     if target_width is not None:
         found = bracket(stated.problem, target_width, backend=backend)
         ends = _strict(found.lower_bound), _strict(found.upper_bound)
         if found.status is Ending.CROSSED:
             ends = -inf, inf  # one of them is none
-        why = "" if ends[0] > -inf and ends[1] < inf else found.failure or _NOT_STRICT
-        return ContinuumRange(*ends, why)
-    lower, upper, missing = -inf, inf, []
+        both = ends[0] > -inf and ends[1] < inf
+        return ContinuumRange(*ends, () if both else found.failures or (_NOT_STRICT,))
+    lower, upper, missing = -inf, inf, list[Finding]()
     try:
         below = lower_bound(frictionless(stated.problem), backend, options=options)
         lower = _strict(below)
         if lower == -inf:
-            missing.append(f"no lower bound: {_why(below, backend)}")
+            missing.append(_none("lower", _why(below, backend)))
     except (InputError, CapabilityError) as error:
-        missing.append(f"no lower bound: {error}")
+        missing.append(_none("lower", error.text))
     try:
         above = upper_bound(associated(stated.problem), backend, options=options)
         upper = _strict(above)
         if upper == inf:
-            missing.append(f"no upper bound: {_why(above, backend)}")
+            missing.append(_none("upper", _why(above, backend)))
     except (InputError, CapabilityError) as error:
-        missing.append(f"no upper bound: {error}")
-    return ContinuumRange(lower, upper, "; ".join(missing))
+        missing.append(_none("upper", error.text))
+    return ContinuumRange(lower, upper, tuple(missing))
 
 
-_NOT_STRICT = "straight edges stand for curved ones"
-_CELLS = "cells stand for joints that crush, which lacore.crushing_bracket encloses"
+_NOT_STRICT = Finding(Kind.STRAIGHT_EDGES)
+
+
+def _none(side: str, why: Finding | str) -> Finding:
+    return Finding(Kind.NO_BOUND, (side,), {"why": why})
 
 
 def _strict(bound: LowerBound | UpperBound) -> float:
@@ -88,7 +93,7 @@ def _strict(bound: LowerBound | UpperBound) -> float:
     return bound.load_factor if bound.rigor is Rigor.UPPER else inf
 
 
-def _why(bound: LowerBound | UpperBound, backend: str) -> str:
+def _why(bound: LowerBound | UpperBound, backend: str) -> Finding:
     if bound.rigor is Rigor.DISCRETE:
         return _NOT_STRICT
-    return str(bound.unanswered(backend))
+    return bound.unanswered(backend)

@@ -30,8 +30,9 @@ from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
 from lacore.ranges.told import residuals, short
 from lacore.reporting import terms
-from lacore.reporting.findings import Finding
-from lacore.reporting.text import PYTHON, text
+from lacore.reporting.findings import Finding, texts
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import PYTHON, Reader, text
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.solvers.compilation import SolveClock
 from lacore.status import Reported, Scope, Status
@@ -61,7 +62,7 @@ class CoulombRange(Reported, Shown):
         continuum: proven bounds of every Coulomb load factor of the continuum: a strict lower bound
             of the problem without Coulomb friction, a strict upper bound of that with associated
             friction; -inf and inf where there is none. `bracket` where nothing is discretised.
-        missing: why the continuum has no bound; empty where it has both.
+        unbounded: Why the continuum has no bound; empty where it has both.
         states: one row a certified state: restart, origin (of what reactions it settled: of the
             ``certified`` state of `solve`, the ``associated`` one, a ``continuation`` in friction,
             the ``low end`` or ``high end`` of the state before; or at the end of a central ``path``
@@ -72,7 +73,7 @@ class CoulombRange(Reported, Shown):
         solves: inner solves of the search.
         solve_time: s, wall clock, without the compilation of the backend.
         findings: What else there is to report; `message` is their text.
-        stopped: why the search ended before its restarts did; empty where it did not.
+        stop: Why the search ended before its restarts did; None where it did not.
         ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
     """
 
@@ -84,7 +85,7 @@ class CoulombRange(Reported, Shown):
     scope: Scope
     bracket: tuple[float, float]
     continuum: tuple[float, float]
-    missing: str
+    unbounded: tuple[Finding, ...]
     states: pd.DataFrame
     backend: str
     seed: int
@@ -92,8 +93,18 @@ class CoulombRange(Reported, Shown):
     solves: int
     solve_time: float
     findings: tuple[Finding, ...]
-    stopped: str = ""
+    stop: Finding | None = None
     ray: Ray | None = None
+
+    @property
+    def missing(self) -> str:
+        """Text of `unbounded`: why the continuum has no bound; empty where it has both."""
+        return texts(self.unbounded)
+
+    @property
+    def stopped(self) -> str:
+        """Text of `stop`: why the search ended before its restarts did; empty where it did not."""
+        return str(self.stop or "")
 
     @property
     def lowest_proven(self) -> bool:
@@ -107,6 +118,10 @@ class CoulombRange(Reported, Shown):
 
     def facts(self) -> Facts:
         """What was found, and what of it is proven; `summary` has the whole."""
+        return self.facts_for(PYTHON)
+
+    def facts_for(self, reader: Reader) -> Facts:
+        """Return the facts for a reader."""
         found = f"{self.low:.7g} to {self.high:.7g}{self.scope.phrase}"
         if self.lowest is None or self.highest is None:
             found = "none is certified"
@@ -115,7 +130,7 @@ class CoulombRange(Reported, Shown):
         if self.scope is Scope.DISCRETE:
             below, above = self.continuum
             proven += f", those of the continuum in [{below:.7g}, {above:.7g}]"
-        told = {"status": self.report.summary_for(PYTHON), "proven": proven}
+        told = {"status": self.report.summary_for(reader), "proven": proven}
         told |= residuals(self.lowest, self.highest)
         told |= {} if self.ray is None else {"proof": str(self.ray)}
         told["solved by"] = (
@@ -247,7 +262,7 @@ def coulomb_range(
     program = dimensionless(problem.program, problem.natural)
     scale = problem.natural.load_factor
     rows: list[dict[str, Any]] = []
-    stopped = ""
+    stop = None
 
     def note(found: Found) -> None:
         rows.append(_row(found, scale) | {"solves": search.solves})
@@ -282,7 +297,8 @@ def coulomb_range(
                 search.run(known if first.status is Status.SOLVED else None, start, restarts)
             except OutOfTime:
                 done = rows[-1]["restart"] if rows else 0
-                stopped = f"by its time limit of {time_limit:g} s, in restart {done} of {restarts}"
+                values = {"limit": float(time_limit), "done": done, "every": restarts}
+                stop = Finding(Kind.STOPPED_IN_RESTART, values=values)
     ends = {}
     for side, found in search.best.items():
         end = found.end(side)
@@ -318,7 +334,7 @@ def coulomb_range(
         scope=problem.scope,
         bracket=si,
         continuum=si if continuum is None else (continuum.lower, continuum.upper),
-        missing="" if continuum is None else continuum.missing,
+        unbounded=() if continuum is None else continuum.missing,
         states=pd.DataFrame(rows, columns=_COLUMNS),
         backend=backend,
         seed=seed,
@@ -326,7 +342,7 @@ def coulomb_range(
         solves=search.solves + len(first.history) + 2,
         solve_time=clock.seconds,
         findings=first.findings,
-        stopped=stopped,
+        stop=stop,
         ray=None if ends else first.ray,
     )
 

@@ -31,7 +31,8 @@ from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
 from lacore.reporting import terms
-from lacore.reporting.text import PYTHON, Term, text
+from lacore.reporting.findings import Finding, texts
+from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Shown, counted, listed
 from lacore.status import Rigor, Standing, Status
 
@@ -56,8 +57,8 @@ class SafetyFactor(Shown):
             bound that failed), ``proves``; or a row a state, with that of the reference loads
             beside the dead ones, or of all where the dead loads alone are not carried.
         problem: as stated.
-        note: which sides of soils the mechanism at the upper end comes to: in a larger body both
-            ends may be less; empty where it comes to none.
+        findings: What else there is to report of the mechanism at the upper end, such as the sides
+            of soils that it reaches: in a larger body both ends may be less.
         states: those at both ends that were found, where flow is not associated: they prove no
             end, as others may have other load factors (`lacore.soil_range`, `lacore.coulomb_range`
             look for them). With associated flow the factor is no less: its `upper`, of the problem
@@ -70,9 +71,14 @@ class SafetyFactor(Shown):
     upper: float
     history: pd.DataFrame
     problem: Problem
-    note: str = ""
+    findings: tuple[Finding, ...] = ()
     states: tuple[LimitState, ...] = ()
     interfaces: bool = False
+
+    @property
+    def note(self) -> str:
+        """Text of the findings; empty without any."""
+        return texts(self.findings)
 
     @property
     def width(self) -> float:
@@ -188,7 +194,7 @@ def safety_factor(
         return _of_states(problem, interfaces, tolerance, backend)
     weakened = partial(_weakened, _together(problem), interfaces=interfaces)
     rows: list[dict[str, object]] = []
-    notes: dict[float, str] = {}
+    seen: dict[float, tuple[Finding, ...]] = {}
 
     def below(weaker: Problem, factor: float) -> float:
         bound = lower_bound(weaker, backend)
@@ -197,14 +203,14 @@ def safety_factor(
 
     def above(weaker: Problem, factor: float) -> float:
         bound = upper_bound(weaker, backend)
-        notes[factor] = bound.report.notes_for(PYTHON) if bound.status is Status.SOLVED else ""
+        seen[factor] = bound.findings if bound.status is Status.SOLVED else ()
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
 
     lower = _end("lower", True, weakened, below, 1.0, tolerance, rows)
     upper = _end("upper", False, weakened, above, lower if lower > 0 else 1.0, tolerance, rows)
     return SafetyFactor(
-        lower, upper, pd.DataFrame(rows), problem, notes.get(upper, ""), interfaces=interfaces
+        lower, upper, pd.DataFrame(rows), problem, seen.get(upper, ()), interfaces=interfaces
     )
 
 
@@ -245,8 +251,8 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
         why = f"none of {len(rows)} states of weakened strengths is certified"
         fix = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
         raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, fix)
-    note = ends[-1].report.notes_for(PYTHON) if ends[-1].status is Status.SOLVED else ""
-    return SafetyFactor(lower, upper, history, problem, note, ends, interfaces)
+    found = ends[-1].findings if ends[-1].status is Status.SOLVED else ()
+    return SafetyFactor(lower, upper, history, problem, found, ends, interfaces)
 
 
 def _reached_from_dead(state: LimitState) -> bool:

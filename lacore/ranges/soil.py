@@ -27,7 +27,8 @@ from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, dimensionless
 from lacore.ranges.told import residuals, short
 from lacore.reporting.findings import Finding
-from lacore.reporting.text import Term, text
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import PYTHON, Reader, Term, text
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers.compilation import SolveClock
 from lacore.status import Reported, Status
@@ -64,7 +65,7 @@ class SoilRange(Reported, Shown):
         backend: name.
         solve_time: s, wall clock, without the compilation of the backend.
         findings: What else there is to report; `message` is their text.
-        stopped: why not all searches came to their ends; empty where they did.
+        stop: Why not all searches came to their ends; None where they did.
         ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
     """
 
@@ -80,7 +81,7 @@ class SoilRange(Reported, Shown):
     backend: str
     solve_time: float
     findings: tuple[Finding, ...]
-    stopped: str = ""
+    stop: Finding | None = None
     ray: Ray | None = None
 
     @property
@@ -88,8 +89,17 @@ class SoilRange(Reported, Shown):
         """``(high - low)/mean``."""
         return 2 * (self.high - self.low) / (self.high + self.low)
 
+    @property
+    def stopped(self) -> str:
+        """Text of `stop`: why not all searches came to their ends; empty where they did."""
+        return str(self.stop or "")
+
     def facts(self) -> Facts:
         """What was found, and what of it is proven."""
+        return self.facts_for(PYTHON)
+
+    def facts_for(self, reader: Reader) -> Facts:
+        """Return the facts for a reader."""
         found = f"load factors {self.low:.6g} to {self.high:.6g} of the discrete problem"
         below, above = self.bracket
         if np.isfinite(above) and abs(below) <= _BEYOND * abs(above):
@@ -104,7 +114,7 @@ class SoilRange(Reported, Shown):
         told = {"found": f"{states}; that none is lower or higher is not proven", "proven": proven}
         if self.lowest is None or self.highest is None:
             found = "no load factor is certified"
-            told["found"] = self.message
+            told["found"] = self.report.text_for(reader)
         told |= {} if self.ray is None else {"proof": str(self.ray)}
         told |= residuals(self.lowest, self.highest)
         solves = counted(int(self.states["solves"].sum()), "solve")
@@ -202,7 +212,7 @@ def soil_range(
     aims = CouplingOptions(tolerance=min(_AIM, tolerance), max_iterations=_MOST, accepted=tolerance)
     rows: list[dict[str, Any]] = []
     ends: list[tuple[SoilFound, float]] = []
-    stopped = ""
+    stop = None
     with ExitStack() as stack:
         settings = read_options(engine, options or {})
         good = good_for(aims.tolerance)
@@ -222,16 +232,15 @@ def soil_range(
                     on_progress(rows[-1])
         except OutOfTime:
             every = len(shares) * len(SEARCHES)
-            stopped = (
-                f"by its time limit of {time_limit:g} s, after {len(rows)} of {every} searches"
-            )
+            values = {"limit": float(time_limit), "done": len(rows), "every": every}
+            stop = Finding(Kind.STOPPED_AFTER_SEARCHES, values=values)
     given: dict[str, Any] = {"backend": backend, "options": options}
     made = [
         _state(problem, program, found, built, given, tolerance)
         for found, _ in sorted(ends, key=lambda end: end[1])
     ]
     status, ray = (Status.SOLVED if made else Status.TIME_LIMIT), None
-    if not made and not stopped:
+    if not made and stop is None:
         status, ray = _why(problem, given)
     if status is Status.UNSAFE:
         bracket = (-np.inf, np.inf)  # of none, whatever bounds with more strength say
@@ -249,7 +258,7 @@ def soil_range(
         backend=backend,
         solve_time=clock.seconds,
         findings=(),
-        stopped=stopped,
+        stop=stop,
         ray=ray,
     )
 

@@ -13,6 +13,6 @@ def residuals(lowest: LimitState | None, highest: LimitState | None) -> dict[str
     return {"residual": "; ".join(worst)} if worst else {}
 
 
-def short(stopped: str) -> str:
+def short(stopped: object) -> str:
     """Beside what a search found: that it did not end by itself; empty where it did."""
     return ", stopped by its time limit" if stopped else ""

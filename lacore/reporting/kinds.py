@@ -144,6 +144,27 @@ class Kind(Enum):
         " 'p2-vertex', whose velocities do not jump"
     )
     REGION_BEYOND = "{where!r} by {size:.1e}"
+    BOUNDS_PROVEN = "both bounds are proven"
+    BOUNDS_PROVEN_OF_COULOMB = "both bounds are proven of every Coulomb load factor"
+    BOUNDS_OF_POLYGON = (
+        "both bounds are of the polygon that stands for a curved outline"
+        " (Body.geometry='approximated'), not of the body"
+    )
+    BOUNDS_CROSS = "lower bound {lower:.9g} above upper bound {upper:.9g}, width {width:.3%}"
+    BOUND_STOPPED = "{where} bound stopped at {elements} elements: {why}"
+    BOUNDS_STOPPED = "{where} bounds stopped at {elements} elements: {why}"
+    NEXT_SOLVE_LATE = "a solve of {elements} would end after the time limit"
+    BOUND_FAILED = "{where} bound: {why}"
+    NONE_WITHOUT_FRICTION = "none; without Coulomb friction the dead loads collapse the structure"
+    NONE_WITH_ASSOCIATED_FRICTION = "none; with associated friction stresses carry any load"
+    NO_BOUND = "no {where} bound: {why}"
+    STRAIGHT_EDGES = "straight edges stand for curved ones"
+    CELLS_OF_JOINTS = "cells stand for joints that crush, which lacore.crushing_bracket encloses"
+    STEP_OF_PATH = "a state within a step of a path has none"
+    STOPPED_IN_RESTART = "by its time limit of {limit:g} s, in restart {done} of {every}"
+    STOPPED_AFTER_SEARCHES = "by its time limit of {limit:g} s, after {done} of {every} searches"
+
+    # Answers
     SOLVE = "its solve: {report}"
     STATUS = "{report}"
     NO_ANSWER = "backend {backend!r} has no certified answer: {report}"
@@ -159,6 +180,11 @@ FILES: Mapping[Kind, str] = {
         'it is of the polygon that stands for a curved outline (geometry = "approximated"), not of'
         " the body"
     ),
+    Kind.BOUNDS_OF_POLYGON: (
+        "both bounds are of the polygon that stands for a curved outline"
+        ' (geometry = "approximated"), not of the body'
+    ),
+    Kind.CELLS_OF_JOINTS: "cells stand for joints that crush",
     Kind.CELLS_FALL: (
         "this is proven of the cells of joints that crush: the joints carry more than these; finer"
         " cells (divisions) tell how much"

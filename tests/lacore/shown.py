@@ -249,11 +249,13 @@ def results():
     made += [pressed(steps=1), pressed(steps=1, billet=quad_billet)]
     path, spread = made[-2], next(own for own in made if isinstance(own, la.CoulombRange))
     bracket = next(own for own in reversed(made) if isinstance(own, la.Bracket))
-    other += [replace(bracket, status=ending, failure=LONG) for ending in BracketEnding]
+    other += [replace(bracket, status=ending, failures=TOLD) for ending in BracketEnding]
     other += [replace(path, status=ending, message=LONG) for ending in PathEnding]
     nothing = path.history.iloc[:0], path.events.iloc[:0]
     other += [replace(path, history=nothing[0], events=nothing[1], last=None, settings={})]
-    other += [replace(spread, findings=TOLD, missing=LONG, backend=LONG, lowest=None, highest=None)]
+    other += [
+        replace(spread, findings=TOLD, unbounded=TOLD, backend=LONG, lowest=None, highest=None)
+    ]
     other += [replace(gap, elements={}, bodies={}, interfaces=dict.fromkeys(MANY, 1 / 3))]
     return made, other
 

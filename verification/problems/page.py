@@ -91,13 +91,13 @@ def page(
 
 
 def _lead(answer: Answer, units: Units) -> str:
-    state, proven = answer.state, answer.bracket
+    state, proven, reader = answer.state, answer.bracket, Reader(units, files=True)
     if proven is not None and answer.bracketed:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
-        return f"Collapse between {ends} times the reference loads: {proven.message}."
+        return f"Collapse between {ends} times the reference loads: {proven.text_for(reader)}."
     if state.status is la.Status.SOLVED:
         return f"Collapse at {state.load_factor:.6g} times the reference loads; {worth(state)}."
-    return state.report.text_for(Reader(units, files=True))
+    return state.report.text_for(reader)
 
 
 def _picture(name: str, caption: str, thing: object, units: Units) -> Picture:
@@ -143,7 +143,7 @@ def _bracket(bracket: la.Bracket, units: Units) -> Section:
 
 
 def _range(found: la.CoulombRange | la.SoilRange, units: Units) -> Section:
-    facts = found.facts()
+    facts = found.facts_for(Reader(units, files=True))
     blocks: list[Block] = [Facts(facts.told), table_of(found.states, "States found")]
     return Section("range", "Range of load factors", blocks, facts.title)
 

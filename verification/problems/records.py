@@ -6,7 +6,7 @@ from typing import Any
 
 import lacore as la
 from lacore.files.problem.reading import Stated
-from lacore.reporting.findings import records
+from lacore.reporting.findings import records, texts
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from verification.problems.answers import Answer
@@ -47,7 +47,7 @@ def document(stated: Stated, answer: Answer, page: Path | None) -> dict[str, Any
             "width": answer.bracket.width,
             "strict": answer.bracket.strict,
             "status": answer.bracket.status.label,
-            "failure": answer.bracket.failure,
+            "failure": texts(answer.bracket.failures, reader),
         }
     if answer.range is not None:
         found["range"] = {

@@ -11,6 +11,7 @@ from lacore.bodies.any_body import of_kind
 from lacore.conditions.loads import Load
 from lacore.files.problem.statements import law as stated_law
 from lacore.materials.friction import Friction
+from lacore.reporting.findings import texts
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted, listed
@@ -65,10 +66,10 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     elif between:
         told["bracket"] = between
     if answer.range is not None:
-        told["range"] = answer.range.facts().title.partition(": ")[2]
+        told["range"] = answer.range.facts_for(reader).title.partition(": ")[2]
     if answer.safety is not None:
         ends = answer.safety.facts().title.partition(": ")[2]
-        told["safety"] = "; ".join(filter(None, (ends, answer.safety.note)))
+        told["safety"] = "; ".join(filter(None, (ends, texts(answer.safety.findings, reader))))
     for name, found in answer.more.items():
         told[name] = (
             render(found, Reader(units, files=True))
