@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import Protocol
 
 from lacore.reporting.findings import Finding, Message
 from lacore.reporting.kinds import Kind
@@ -65,10 +66,18 @@ class Status(Enum):
         return Message(self.label, self.value, findings, plain=self is Status.SOLVED)
 
 
+class Outcome(Protocol):
+    """What a status of any result has: a text for it and its findings."""
+
+    def report(self, findings: tuple[Finding, ...]) -> Message:
+        """Return the text, to be rendered for a reader."""
+        ...
+
+
 class Reported:
     """A result with a status, and with findings that say the rest."""
 
-    status: Status
+    status: Outcome
     findings: tuple[Finding, ...]
 
     @property

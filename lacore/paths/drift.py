@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from lacore.paths.flow import Flow
 from lacore.paths.path import Event, PathStep
 from lacore.paths.selection import Selected, least_norm
-from lacore.reporting.text import Term, text
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 
 DRIFTS, SELECTED, LOST = "velocity not unique", "velocity selected", "velocity not selected"
 """Kinds of events: the solver took one of many; the regular one was taken; none could be found."""
@@ -48,17 +49,12 @@ def described(flow: Flow) -> str:
     )
 
 
-def warning(events: Sequence[Event]) -> str:
-    """What the end of a path has to say of them; empty where it has not drifted."""
+def warnings(events: Sequence[Event]) -> tuple[Finding, ...]:
+    """Return what the end of a path has to report of drifts; empty where it has not drifted."""
     steps = [event.step for event in events if event.kind == DRIFTS]
     if not steps:
-        return ""
-    return text(
-        "; from step {} on the velocity is one of many, and the loads may drift: see the events,"
-        " and take {}",
-        steps[0],
-        Term("selection=lacore.LeastNorm()", "selection = { within = 1e-4 }"),
-    )
+        return ()
+    return (Finding(Kind.VELOCITY_NOT_UNIQUE, (), {"step": steps[0]}, Severity.WARNING),)
 
 
 def is_choice(other: Selected) -> bool:

@@ -2,6 +2,8 @@
 
 from enum import Enum
 
+from lacore.reporting.findings import Finding, Message
+
 
 class Ending(Enum):
     """Each text says what to do."""
@@ -13,7 +15,7 @@ class Ending(Enum):
         " across the flow, mesh anew from the last configuration, or take smaller steps if these"
         " are long"
     )
-    OVERLAP = "the next configuration is no mesh: see the message; mesh anew, or take smaller steps"
+    OVERLAP = "the next configuration is no mesh: mesh anew, or take smaller steps"
     PENETRATION = (
         "contact acts along edges that face each other, and a corner has none: give the corner a"
         " short edge of its own that faces the other body, or take smaller steps"
@@ -34,11 +36,11 @@ class Ending(Enum):
         "no tool presses on a body, so none does any work: begin with a tool that touches the body,"
         " turn its velocity around, or end the path before it leaves the body"
     )
-    NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
+    NOT_SOLVED = "a limit problem on the way has no certified answer"
     NOT_ITERATED = (
         "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"
     )
-    NOT_REMESHED = "the new meshes cannot be taken: see the message"
+    NOT_REMESHED = "the new meshes cannot be taken"
     STOPPED = "the finished steps are kept"
     RUNNING = "the path has not ended yet: this is what hooks see of it"
     STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
@@ -47,3 +49,7 @@ class Ending(Enum):
     def label(self) -> str:
         """The name as shown in tables: ``not solved``."""
         return self.name.lower().replace("_", " ")
+
+    def report(self, findings: tuple[Finding, ...]) -> Message:
+        """Return the text of this ending with findings, to be rendered for a reader."""
+        return Message(self.label, self.value, findings)

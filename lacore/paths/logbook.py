@@ -21,6 +21,7 @@ from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here, PathEndError, Stride
 from lacore.paths.stage import Stage
 from lacore.paths.stored.progress import Progress
+from lacore.reporting.findings import Finding
 from lacore.reporting.text import text
 
 _RISES = 1e-6  # of a load: less is what solvers leave of one that stays the same
@@ -75,8 +76,7 @@ class Log:
 
     def inversion(self, here: Here, stop: PathEndError) -> None:
         """The next step would turn an element inside out."""
-        element = stop.where
-        self.event("inversion predicted", here.step + 1, here.travel, element)
+        self.event("inversion predicted", here.step + 1, here.travel, text("{}", *stop.findings))
 
     def step(
         self,
@@ -196,11 +196,13 @@ class Log:
             step, travel, value = found
             self.event(kind, step, travel, f"{column.replace('_', ' ')} {value:.9g}")
 
-    def path(self, ending: Ending, message: str, settings: Mapping[str, Any]) -> Path:
+    def path(
+        self, ending: Ending, findings: tuple[Finding, ...], settings: Mapping[str, Any]
+    ) -> Path:
         """The end; settings are those of each solve."""
         path = Path(
             status=ending,
-            message=text("{}: {}{}", ending.label, message, drift.warning(self.events)),
+            findings=(*findings, *drift.warnings(self.events)),
             history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
             events=_table(self.events),
             snapshots=tuple(self.snapshots),

@@ -9,6 +9,8 @@ import numpy as np
 from lacore.errors import InputError, require_positive
 from lacore.paths.ending import Ending
 from lacore.paths.schemes import PathEndError
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.showing import Compact
 
 _END = 1e-9  # of the travel: what is left is round-off
@@ -80,8 +82,8 @@ class Pace:
         shorter = distance * self._factor(error)
         assert isinstance(self.steps, AdaptiveSteps)
         if shorter < self.steps.smallest * self.travel:
-            message = f"{Ending.STEP_TOO_SMALL.value} (error {error:.3g})"
-            raise PathEndError(Ending.STEP_TOO_SMALL, message)
+            found = Finding(Kind.STEP_ERROR, values={"error": float(error)})
+            raise PathEndError(Ending.STEP_TOO_SMALL, found)
         return shorter
 
     def learn(self, distance: float, error: float) -> None:

@@ -22,7 +22,9 @@ from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady, SteadyState, steady_state
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding
 from lacore.showing import Compact, Facts, Picture, Shown, counted, listed
+from lacore.status import Reported
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -124,12 +126,12 @@ class Snapshot(Compact):
 
 
 @dataclass(frozen=True, repr=False)
-class Path(Shown):
+class Path(Reported, Shown):
     """A path of large deformation.
 
     Attributes:
         status: whether the travel asked for is reached, and if not, why.
-        message: the status in words.
+        findings: What else there is to report; `message` is their text.
         history: one row a step: ``travel`` and ``load_factor`` where the load is that of the bodies
             (at the beginning of an explicit step, in the middle of a leapfrog step, at the end of
             an implicit one), ``force``, the power of the reference load per speed of the control:
@@ -144,7 +146,7 @@ class Path(Shown):
     """
 
     status: Ending
-    message: str
+    findings: tuple[Finding, ...]
     history: pd.DataFrame
     events: pd.DataFrame
     snapshots: tuple[Snapshot, ...]

@@ -8,7 +8,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.touching import TOUCH
-from lacore.errors import InputError
+from lacore.errors import InputError, LacoreError
 from lacore.limit.state import LimitState
 from lacore.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
@@ -20,7 +20,9 @@ from lacore.paths.flow import Flow, Moment, flow
 from lacore.paths.selection import LeastNorm, least_norm
 from lacore.paths.stage import Stage
 from lacore.paths.tools.overlap import contacts
-from lacore.reporting.text import Quantity, join, text
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import Quantity
 from lacore.status import Status
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
@@ -33,7 +35,6 @@ _GUESSES = 4  # of the duration of a step
 _BEFORE, _BEFORE_FIRST = 0.25, 0.5  # of the rate before in that of the first half of a step
 _LOCKED = 1e4  # of a yield stress over the whole body: no load of a flow is that large
 _INVERTED = 1e-3  # least Jacobian of an element, per its mean at the beginning of the path
-_OTHER_SHAPES = "; another scheme, or other steps, meet other shapes on the way, and may go on"
 _STILL = 1e-9  # of the largest velocity: a control that moves less stands still
 
 Fields = Mapping[str, Floats]
@@ -44,13 +45,17 @@ class PathEndError(Exception):
 
     Attributes:
         ending: Its kind.
-        text: The message, with its quantities and names as values.
-        where: Element or interface that it is about; empty for the whole path.
+        findings: What else there is to report, such as the element that would be inverted.
     """
 
-    def __init__(self, ending: Ending, message: str, where: str = "") -> None:
-        self.ending, self.text, self.where = ending, message, where
-        super().__init__(message)
+    def __init__(self, ending: Ending, *findings: Finding) -> None:
+        self.ending, self.findings = ending, findings
+        super().__init__(str(ending.report(findings)))
+
+
+def refused(error: LacoreError) -> Finding:
+    """Return a finding that quotes an error."""
+    return Finding(Kind.REFUSED, (), {"error": error.text}, Severity.DETAIL)
 
 
 class FoldedError(PathEndError):
@@ -58,7 +63,7 @@ class FoldedError(PathEndError):
 
     def __init__(self, fold: Fold) -> None:
         self.fold = fold
-        super().__init__(Ending.FOLDED, text("{}; {}", fold.text, Ending.FOLDED.value))
+        super().__init__(Ending.FOLDED, fold.finding)
 
 
 @dataclass(frozen=True)
@@ -146,24 +151,23 @@ class Walk:
             found = flow(self.stage, moment, self.settings, before)
         except InputError as wrong:
             ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
-            raise PathEndError(ending, text("{}; {}", wrong.text, ending.value)) from wrong
+            raise PathEndError(ending, refused(wrong)) from wrong
         state = found.state
         self.solving(self.stage, moment, state)
         self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
-            pressing = self._contacts(moment.at, TOUCH * self.size)
-            where = text("{}: ", join(", ", pressing)) if pressing else ""
-            factor = f"{found.load_factor:.3g}"
-            message = text("{}{} (load factor {})", where, Ending.LOCKED.value, factor)
-            raise PathEndError(Ending.LOCKED, message)
+            pressing = tuple(self._contacts(moment.at, TOUCH * self.size))
+            load = Finding(Kind.LOAD_FACTOR, values={"load_factor": found.load_factor})
+            where = [Finding(Kind.CONTACTS, pressing, {}, Severity.DETAIL)] if pressing else []
+            raise PathEndError(Ending.LOCKED, *where, load)
         if state.status is Status.FREE and self.stage.tools:
-            names = ", ".join(map(repr, self.stage.tools))
-            raise PathEndError(Ending.NO_CONTACT, f"tools {names}: {Ending.NO_CONTACT.value}")
+            tools = Finding(Kind.TOOLS, tuple(self.stage.tools), {}, Severity.DETAIL)
+            raise PathEndError(Ending.NO_CONTACT, tools)
         if state.status is not Status.SOLVED or state.point is None:
-            way_out = "" if state.status is Status.UNSAFE else _OTHER_SHAPES
-            message = text("{}{}", state.unanswered(state.backend), way_out)
-            raise PathEndError(Ending.NOT_SOLVED, message)
+            way_out = [] if state.status is Status.UNSAFE else [Finding(Kind.OTHER_SHAPES)]
+            why = replace(state.unanswered(state.backend), severity=Severity.REASON)
+            raise PathEndError(Ending.NOT_SOLVED, why, *way_out)
         self.pressed = np.maximum(state.point.normal_reaction, 0.0)
         if self.selection is not None:
             selected = least_norm(state, self.selection.within)
@@ -171,7 +175,8 @@ class Walk:
             found = replace(found, selected=selected)
         speed = self.gauge(state.discretisation, found.motion)
         if speed <= _STILL * float(np.abs(found.motion).max()):
-            raise PathEndError(Ending.STANDSTILL, f"{Ending.STANDSTILL.value} (speed {speed:.3g})")
+            slow = Finding(Kind.SPEED, values={"speed": float(speed)})
+            raise PathEndError(Ending.STANDSTILL, slow)
         return found, speed
 
     def _contacts(self, at: Configuration, within: float) -> list[str]:
@@ -192,7 +197,8 @@ class Walk:
         state = flow(self.stage, now, self.settings).state
         self.solves += state.outer_iterations
         if state.status is Status.UNSAFE:
-            raise PathEndError(Ending.NOT_SOLVED, text("{}", state.report))
+            why = replace(state.unanswered(state.backend), severity=Severity.REASON)
+            raise PathEndError(Ending.NOT_SOLVED, why)
 
     def timed(
         self, here: Here, at: Configuration, distance: float, share: float, speed: float
@@ -270,8 +276,8 @@ def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
     duration = distance / speed
     strained = found.hencky_strain(duration)
     if not all(np.all(np.isfinite(values)) for values in strained.values()):
-        message = "a point would strain by more than a step can bear: take smaller steps"
-        raise PathEndError(Ending.NOT_ITERATED, message)
+        strained_off = Finding(Kind.STRAIN_TOO_LARGE, severity=Severity.REASON)
+        raise PathEndError(Ending.NOT_ITERATED, strained_off)
     end = here.configuration.moved(_scaled(found.velocity, duration), strained)
     require_upright(walk.stage, end)
     _require_unfolded(walk.stage, here.configuration, end)
@@ -312,10 +318,9 @@ def require_upright(stage: Stage, configuration: Configuration) -> float:
         least = min(least, float(each[worst]))
         if not each[worst] > _INVERTED:
             middle = tuple(mesh.p[:, mesh.t[:, worst]].mean(axis=1).tolist())
-            near = Quantity(middle, "m", ".4g")
-            what = text("element {} of {} near {}", worst, repr(name), near)
-            message = text("{}: {}", what, Ending.INVERSION.value)
-            raise PathEndError(Ending.INVERSION, message, what)
+            found = {"element": worst, "place": Quantity(middle, "m", ".4g")}
+            element = Finding(Kind.ELEMENT, (name,), found, Severity.DETAIL)
+            raise PathEndError(Ending.INVERSION, element)
     return least
 
 
@@ -379,7 +384,7 @@ def _settled(walk: Walk, here: Here, distance: float, share: float) -> tuple[Flo
         if changes[-1] <= _CLOSE or (stalled and min(changes) <= _NOISE):
             return closest
         values = mixing.step(values, image)
-    raise PathEndError(Ending.NOT_ITERATED, Ending.NOT_ITERATED.value)
+    raise PathEndError(Ending.NOT_ITERATED)
 
 
 def _scaled(fields: Fields, factor: float) -> dict[str, Floats]:

@@ -37,7 +37,7 @@ from lacore.paths.renewal.remeshing import (
     restaged,
     transfer_text,
 )
-from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk
+from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, refused
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
 from lacore.paths.steady import Steady
@@ -45,6 +45,8 @@ from lacore.paths.stored.checkpoint import Checkpoint, identity
 from lacore.paths.tools.overlap import require_apart
 from lacore.paths.tools.tool import Tool, require_own_travel, tooling
 from lacore.problem.problem import Problem
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity, text
 
 
@@ -233,15 +235,15 @@ def sequential(
         except PathEndError as stop:
             if stop.ending is Ending.INVERSION:
                 log.inversion(here, stop)
-            return call.end(log.path(stop.ending, stop.text, settings))
-    return call.end(log.path(Ending.REACHED, Ending.REACHED.value, settings))
+            return call.end(log.path(stop.ending, stop.findings, settings))
+    return call.end(log.path(Ending.REACHED, (), settings))
 
 
 def _steady(log: Log, until: Steady, settings: Mapping[str, Any]) -> Path | None:
     """The path so far, if it has become steady."""
-    path = log.path(Ending.STEADY, Ending.STEADY.value, settings)
-    found = path.steady(until)
-    return replace(path, message=f"{Ending.STEADY.label}: {found}") if found.reached else None
+    found = log.path(Ending.RUNNING, (), settings).steady(until)
+    why = replace(found.finding, severity=Severity.REASON)
+    return log.path(Ending.STEADY, (why,), settings) if found.reached else None
 
 
 def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:
@@ -262,7 +264,7 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     _look(walk, stride, distance, there, log)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
     if fold is not None:
-        log.event(FOLDED, there.step, here.travel + fold.share * distance, fold.text)
+        log.event(FOLDED, there.step, here.travel + fold.share * distance, text("{}", fold.finding))
     return there
 
 
@@ -299,13 +301,15 @@ def _remeshed(
     try:
         meshes = new_meshes(remesh, old, here.configuration, poor, control)
     except Exception as error:  # of others: what was found so far must not be lost with it
-        wrong = f"{type(error).__name__}: {error}"
-        raise PathEndError(Ending.NOT_REMESHED, f"remesh fails: {wrong}") from error
+        values = {"error": text("{}: {}", type(error).__name__, getattr(error, "text", error))}
+        failed = Finding(Kind.REMESHING_FAILED, (), values, Severity.REASON)
+        raise PathEndError(Ending.NOT_REMESHED, failed) from error
     try:
         stage, configuration = restaged(old, here.configuration, meshes)
         gauge = control.gauge(stage.problem)
     except InputError as wrong:
-        raise PathEndError(Ending.NOT_REMESHED, wrong.text) from wrong
+        why = replace(refused(wrong), severity=Severity.REASON)
+        raise PathEndError(Ending.NOT_REMESHED, why) from wrong
     there = Here(here.step, here.travel, configuration, None, None, here.speed)
     after = Walk(stage, gauge, walk.settings, walk.selection, solving=walk.solving)
     loads = [
@@ -341,14 +345,10 @@ def _require_apart(stage: Stage, there: Here) -> None:
     bodies = stage.plane_bodies_at(there.configuration)
     if (found := corner_inside(stage.pairs, bodies)) is not None:
         pair, depth, (x, y) = found
-        message = text(
-            "{}: a corner of one body is {} inside the other near {}; {}",
-            pair.name,
-            Quantity(depth, "m", ".3g"),
-            Quantity((x, y), "m", ".4g"),
-            Ending.PENETRATION.value,
-        )
-        raise PathEndError(Ending.PENETRATION, message)
+        place = Quantity((float(x), float(y)), "m", ".4g")
+        values = {"depth": Quantity(float(depth), "m", ".3g"), "place": place}
+        inside = Finding(Kind.CORNER_INSIDE, (pair.name,), values, Severity.DETAIL)
+        raise PathEndError(Ending.PENETRATION, inside)
 
 
 def _volume(stage: Stage, there: Here) -> float:
@@ -360,6 +360,5 @@ def _volume(stage: Stage, there: Here) -> float:
     try:
         now = stage.dofs_at(there.configuration)
     except InputError as wrong:
-        message = text("{}; {}", wrong.text, Ending.OVERLAP.value)
-        raise PathEndError(Ending.OVERLAP, message) from wrong
+        raise PathEndError(Ending.OVERLAP, refused(wrong)) from wrong
     return sum(float(dofs.weights.sum()) for dofs in now.values())

@@ -10,6 +10,8 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.errors import InputError, require_positive
 from lacore.paths.renewal.transfer import at_places
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.showing import Compact
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ class SteadyState(Compact):
         force: mean of `PathStep.force` since then, or over the window; NaN without a window.
         drift: of the load over the window, relative to its mean; NaN without a window.
         flow: difference of the velocities; NaN if it is unknown.
-        message: reason in words.
+        finding: The reason; `message` is its text.
     """
 
     reached: bool
@@ -79,10 +81,14 @@ class SteadyState(Compact):
     force: float
     drift: float
     flow: float
-    message: str
+    finding: Finding
+
+    @property
+    def message(self) -> str:
+        """Text of the reason."""
+        return str(self.finding)
 
     def __str__(self) -> str:
-        """The reason in words."""
         return self.message
 
 
@@ -90,17 +96,15 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
     """Judge the end of a path."""
     travel, force = (path.history[name].to_numpy(dtype=float) for name in ("travel", "force"))
     if travel.size <= _LEAST:
-        few = f"a window needs {_LEAST} steps after the first one, and the path has {travel.size}"
-        return _not_reached(f"not steady: {few}")
+        few = {"least": _LEAST, "steps": travel.size}
+        return _not_reached(Finding(Kind.FEW_STEPS, values=few))
     so_far = float(path.history["end"].iloc[-1])
     window = so_far / 3 if criterion.window is None else criterion.window
     first = int(np.searchsorted(travel, so_far - window))
     if first < 1 or travel.size - first < _LEAST:
-        why = (
-            f"it covers {travel.size - max(first, 0)} of {travel.size} steps, and"
-            f" {_LEAST} or more after the first one are needed"
-        )
-        return _not_reached(f"not steady: the window of {window:.4g} is not usable: {why}")
+        covered = travel.size - max(first, 0)
+        unusable = {"window": window, "covered": covered, "steps": travel.size, "least": _LEAST}
+        return _not_reached(Finding(Kind.WINDOW_NOT_USABLE, values=unusable))
     drift, mean = drift_of(force[first:]), float(np.mean(force[first:]))
     change = _flow_change(path, travel[first])
     stationary = bool(drift <= criterion.tolerance)  # not so if it is NaN
@@ -110,14 +114,13 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
         starts = range(1, first + 1)
         begin = next(own for own in starts if drift_of(force[own:]) <= criterion.tolerance)
         since, mean = int(path.history["step"].iloc[begin]), float(np.mean(force[begin:]))
-    facts = (
-        f"the load drifts by {drift:.2g} of its mean {mean:.6g} over the last {window:.4g} of the"
-        f" travel (tolerance {criterion.tolerance:g}), velocities differ by {change:.2g} (tolerance"
-        f" {criterion.flow:g})"
-    )
-    reached = stationary and flows
-    head = f"steady from step {since} on" if reached else "not steady"
-    return SteadyState(reached, since, mean, drift, change, f"{head}: {facts}")
+    values = {"drift": drift, "mean": mean, "window": window, "change": change}
+    values |= {"tolerance": criterion.tolerance, "flow": criterion.flow}
+    loads, reached = Finding(Kind.LOAD_DRIFTS, values=values), stationary and flows
+    finding = Finding(Kind.NOT_STEADY, values={"loads": loads})
+    if reached:
+        finding = Finding(Kind.STEADY, values={"step": since, "loads": loads})
+    return SteadyState(reached, since, mean, drift, change, finding)
 
 
 def drift_of(loads: Floats) -> float:
@@ -129,9 +132,9 @@ def drift_of(loads: Floats) -> float:
     return float(np.ptp(means)) / mean if mean > 0 else float("nan")
 
 
-def _not_reached(message: str) -> SteadyState:
+def _not_reached(finding: Finding) -> SteadyState:
     nan = float("nan")
-    return SteadyState(False, None, nan, nan, nan, message)
+    return SteadyState(False, None, nan, nan, nan, finding)
 
 
 def _flow_change(path: Path, travel: float) -> float:

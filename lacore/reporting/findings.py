@@ -21,6 +21,7 @@ from lacore.reporting.text import PYTHON, Quantity, Reader, Term, Text, render
 class Severity(Enum):
     """The role of a finding in its result."""
 
+    DETAIL = "what the text of the status is about, such as a place; stands before that text"
     REASON = "why the result has its status; takes the place of the general text of the status"
     WARNING = "the numbers may not mean what the user expects"
     NOTE = "further information"
@@ -55,7 +56,7 @@ class Finding:
         """Return plain values, as JSON has them."""
         return {
             "kind": self.kind.name,
-            "where": list(self.where),
+            "where": _plain(self.where),
             "values": {name: _plain(value) for name, value in self.values.items()},
             "severity": self.severity.name,
         }
@@ -79,8 +80,10 @@ class Message:
 
     def text_for(self, reader: Reader) -> str:
         """Return the whole text: ``solved: to the tolerance; a note``."""
+        details = texts(self.findings, reader, (Severity.DETAIL,))
         reasons = texts(self.findings, reader, (Severity.REASON,)) or self.general
-        return "; ".join(filter(None, (f"{self.label}: {reasons}", self.notes_for(reader))))
+        head = ": ".join(filter(None, (self.label, details, reasons)))
+        return "; ".join(filter(None, (head, self.notes_for(reader))))
 
     def summary_for(self, reader: Reader) -> str:
         """Return the text, of a plain status without its general text: ``solved; a note``."""
@@ -89,7 +92,7 @@ class Message:
         return "; ".join(filter(None, (self.label, self.notes_for(reader))))
 
     def notes_for(self, reader: Reader) -> str:
-        """Return the text of all findings but the reason of the status."""
+        """Return the texts of the findings that do not explain the status."""
         return texts(self.findings, reader, (Severity.WARNING, Severity.NOTE))
 
     def __str__(self) -> str:
@@ -121,8 +124,6 @@ class _Filling(Formatter):
         if isinstance(value, tuple):
             *first, last = (self.format_field(own, format_spec) for own in value)
             return " and ".join(filter(None, (", ".join(first), last)))
-        if isinstance(value, Quantity | Term):
-            value = Text(value)
         if isinstance(value, Text):
             return render(value, self._reader)
         if hasattr(value, "text_for"):
@@ -165,7 +166,7 @@ def restored(text: str) -> tuple[Finding, ...]:
 def _finding(record: Mapping[str, Any]) -> Finding:
     return Finding(
         Kind[record["kind"]],
-        tuple(map(str, record["where"])),
+        tuple(map(_value, record["where"])),
         {name: _value(value) for name, value in record["values"].items()},
         Severity[record["severity"]],
     )

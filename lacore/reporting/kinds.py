@@ -164,6 +164,38 @@ class Kind(Enum):
     STOPPED_IN_RESTART = "by its time limit of {limit:g} s, in restart {done} of {every}"
     STOPPED_AFTER_SEARCHES = "by its time limit of {limit:g} s, after {done} of {every} searches"
 
+    # Paths
+    ELEMENT = "element {element} of {where!r} near {place}"
+    FOLD = "the boundary of {where!r} touches itself near {place}"
+    CORNER_INSIDE = "{where}: a corner of one body is {depth} inside the other near {place}"
+    CONTACTS = "{where}"
+    TOOLS = "tools {where!r}"
+    LOAD_FACTOR = "the load factor is {load_factor:.3g}"
+    SPEED = "the speed of the control is {speed:.3g}"
+    STEP_ERROR = "the error of the step is {error:.3g}"
+    OTHER_SHAPES = "another scheme, or other steps, meet other shapes on the way, and may go on"
+    STRAIN_TOO_LARGE = "a point would strain by more than a step can bear: take smaller steps"
+    REFUSED = "{error}"
+    REMESHING_FAILED = "remesh fails: {error}"
+    HOOK_FAILED = "hook {hook!r} ({when}) raised {error} ({place})"
+    VELOCITY_NOT_UNIQUE = (
+        "from step {step} on the velocity is one of many, and the loads may drift: see the events,"
+        " and take selection=lacore.LeastNorm()"
+    )
+    LOAD_DRIFTS = (
+        "the load drifts by {drift:.2g} of its mean {mean:.6g} over the last {window:.4g} of the"
+        " travel (tolerance {tolerance:g}), velocities differ by {change:.2g} (tolerance {flow:g})"
+    )
+    STEADY = "steady from step {step} on: {loads}"
+    NOT_STEADY = "not steady: {loads}"
+    FEW_STEPS = (
+        "not steady: a window needs {least} steps after the first one, and the path has {steps}"
+    )
+    WINDOW_NOT_USABLE = (
+        "not steady: the window of {window:.4g} is not usable: it covers {covered} of {steps}"
+        " steps, and {least} or more after the first one are needed"
+    )
+
     # Answers
     SOLVE = "its solve: {report}"
     STATUS = "{report}"
@@ -183,6 +215,10 @@ FILES: Mapping[Kind, str] = {
     Kind.BOUNDS_OF_POLYGON: (
         "both bounds are of the polygon that stands for a curved outline"
         ' (geometry = "approximated"), not of the body'
+    ),
+    Kind.VELOCITY_NOT_UNIQUE: (
+        "from step {step} on the velocity is one of many, and the loads may drift: see the events,"
+        " and add a table [path.selection]"
     ),
     Kind.CELLS_OF_JOINTS: "cells stand for joints that crush",
     Kind.CELLS_FALL: (

@@ -250,7 +250,7 @@ def results():
     path, spread = made[-2], next(own for own in made if isinstance(own, la.CoulombRange))
     bracket = next(own for own in reversed(made) if isinstance(own, la.Bracket))
     other += [replace(bracket, status=ending, failures=TOLD) for ending in BracketEnding]
-    other += [replace(path, status=ending, message=LONG) for ending in PathEnding]
+    other += [replace(path, status=ending, findings=TOLD) for ending in PathEnding]
     nothing = path.history.iloc[:0], path.events.iloc[:0]
     other += [replace(path, history=nothing[0], events=nothing[1], last=None, settings={})]
     other += [

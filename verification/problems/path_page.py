@@ -12,6 +12,7 @@ import lacore as la
 from lacore import views
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import path_script, script
+from lacore.reporting.findings import records
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted
@@ -43,9 +44,9 @@ _SHOWN = ("travel", "load_factor", "force", "max_strain", "overlap")
 
 def lines(stated: Stated, found: Followed) -> dict[str, str]:
     """Return the lines that describe a path, by name."""
-    path, units = found.path, stated.units
-    rows = path.history
-    told = {"path": f"{_reached(path, units)}, {render(path.message, Reader(units, files=True))}"}
+    path, units, rows = found.path, stated.units, found.path.history
+    reader = Reader(units, files=True)
+    told = {"path": f"{_reached(path, units)}, {path.report.text_for(reader)}"}
     if len(rows):
         loads, gap, overlap = (rows[own].to_numpy() for own in ("load_factor", "gap", "overlap"))
         name, size, label = "load factor", 1.0, ""
@@ -206,7 +207,8 @@ def document(stated: Stated, found: Followed, page: Path | None) -> dict[str, An
         "title": stated.title,
         "file": str(stated.source.file),
         "status": path.status.label,
-        "message": render(path.message, Reader(units, files=True)),
+        "message": path.report.text_for(Reader(units, files=True)),
+        "findings": records(path.findings, Reader(units, files=True)),
         "history": table.to_dict("records"),
         "events": path.events.to_dict("records"),
         "certificate": None if certificate is None else asdict(certificate),

@@ -16,7 +16,9 @@ from skfem import Mesh
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.meshes.curved import edge_curves
-from lacore.reporting.text import Quantity, Text, text
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.text import Quantity
 from lacore.showing import Compact
 
 FOLDED = "boundary folded"
@@ -39,11 +41,11 @@ class Fold(Compact):
     share: float
 
     @property
-    def text(self) -> Text:
-        """``the boundary of 'body' touches itself near (1, 0)``."""
+    def finding(self) -> Finding:
+        """``the boundary of 'body' touches itself near (1, 0) m``."""
         x, y = self.place.tolist()
-        place = Quantity((x, y), "m", ".4g")
-        return text("the boundary of {} touches itself near {}", repr(self.body), place)
+        values = {"place": Quantity((x, y), "m", ".4g")}
+        return Finding(Kind.FOLD, (self.body,), values, Severity.DETAIL)
 
 
 def first_fold(before: Mapping[str, Mesh], after: Mapping[str, Mesh]) -> Fold | None:

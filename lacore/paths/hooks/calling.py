@@ -23,6 +23,8 @@ from lacore.paths.logbook import Log
 from lacore.paths.path import Path
 from lacore.paths.schemes import Here, PathEndError
 from lacore.paths.stage import Stage
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 
 GivenHook = Hook | Callable[[PathProgress], object]
 """A bare function is called after each step."""
@@ -85,8 +87,9 @@ class Caller:
             except Exception as error:
                 reached = path.status in (Ending.REACHED, Ending.STEADY)
                 status = Ending.STOPPED if reached else path.status
-                label = f"{status.label}: " if reached else f"{path.message}; "
-                path = replace(path, status=status, message=label + _described(hook, END, error))
+                severity = Severity.DETAIL if reached else Severity.WARNING
+                failed = replace(_described(hook, END, error), severity=severity)
+                path = replace(path, status=status, findings=(*path.findings, failed))
         return path
 
     def _of(self, when: str) -> list[Hook]:
@@ -111,12 +114,13 @@ class Caller:
                 raise PathEndError(Ending.STOPPED, _described(hook, when, error)) from error
 
     def _so_far(self) -> Path:
-        return self.log.path(Ending.RUNNING, Ending.RUNNING.value, self.settings)
+        return self.log.path(Ending.RUNNING, (), self.settings)
 
 
-def _described(hook: Hook, when: str, error: Exception) -> str:
-    """A sentence with the place in the code of the hook."""
+def _described(hook: Hook, when: str, error: Exception) -> Finding:
+    """Return which hook failed, with the place in its code."""
     place = extract_tb(error.__traceback__)[-1]
     where = f"{File(place.filename).name}, line {place.lineno}"
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-    return f"hook {hook.name!r} ({when}) raised {what} ({where}); {Ending.STOPPED.value}"
+    values = {"hook": hook.name, "when": when, "error": what, "place": where}
+    return Finding(Kind.HOOK_FAILED, (), values, Severity.DETAIL)
