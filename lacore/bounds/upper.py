@@ -259,75 +259,87 @@ def _without_noise(
 def _bound(
     state: LimitState, program: KinematicProgram, point: ProgramState, rigid: Bools
 ) -> UpperBound:
-    """What an admissible velocity proves; `program` and `point`: dimensionless.
+    """What an admissible velocity proves.
 
     Args:
         state: that it was made of.
-        program: dimensionless.
-        point: with the velocity.
+        program, point: dimensionless.
         rigid: groups that move as rigid bodies: what they strain is round-off, or it is no bound.
     """
     discretisation = state.discretisation
-    penetration = certify(program, point, associated_contact(program.contact)).penetration
-    leak = sum(
-        float(g.weights @ np.abs(g.volumetric @ point.velocity))
-        for g in program.groups
-        if g.surfaces is None
-    )
-    leak /= float(np.abs(point.velocity).max())
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
-    power = plastic_power(discretisation, velocity, _PARTS)
-    exact = exactness(d.body for d in discretisation.continua.values())
-    corners = driven_corners(discretisation, velocity, state.tolerance)
+    penetration = certify(program, point, associated_contact(program.contact)).penetration
     # Where strength depends on pressure, flow is possible or it is not: nothing is round-off, but
     # that of what moves as rigid.
-    soil = [
-        (group, still)
-        for group, still in zip(discretisation.full.groups, rigid, strict=True)
-        if group.surfaces is not None
-    ]
+    groups = zip(discretisation.full.groups, rigid, strict=True)
+    soil = [(group, still) for group, still in groups if group.surfaces is not None]
     pressed = [group for group, still in soil if not still]
     beyond = sum(float(group.weights @ group.impossible(velocity)) for group in pressed)
-    strain = sum(
-        float(group.weights @ np.linalg.norm(group.cone_vectors(velocity), axis=1))
-        for group, still in soil
-        if still
-    )
-    leak += (beyond + strain) / float(np.abs(velocity).max())
+    strain = _strain([group for group, still in soil if still], velocity)
+    leak = _leak(program, point.velocity) + (beyond + strain) / float(np.abs(velocity).max())
+    exact = exactness(d.body for d in discretisation.continua.values())
+    corners = driven_corners(discretisation, velocity, state.tolerance)
     possible = beyond <= 0  # false for NaN
     proves = max(leak, penetration) <= exact and possible and not corners
-    rigor = Rigor.NOT_CERTIFIED
+    power = plastic_power(discretisation, velocity, _PARTS)
     if proves:
-        bodies = discretisation.continua.values()
-        strict = all(d.linear and d.body.geometry == "exact" for d in bodies)
-        rigor = Rigor.UPPER if strict else Rigor.DISCRETE
-    full = discretisation.full
-    hinges = full.groups[region_count(discretisation.continua) + len(discretisation.jumping) :]
-    load_factor = (
-        sum(float(part.sum()) for part in power.values())
-        + sum(float(group.dissipation(velocity).sum()) for group in hinges)
-        + full.friction_dissipation(velocity, full.contact.limit)
-        - float(full.dead_load @ velocity)
-    )
-    status = Status.SOLVED if proves else Status.NOT_CERTIFIED
-    reached = reached_supports(discretisation, velocity) if proves else None
-    findings: tuple[Finding, ...] = (reached,) if reached else ()
-    if not proves:
+        reached = reached_supports(discretisation, velocity)
+        findings: tuple[Finding, ...] = (reached,) if reached else ()
+    else:
         leaks = {"leak": float(leak), "penetration": float(penetration)}
-        why = corners or _impossible(full, pressed, velocity)
+        why = corners or _impossible(discretisation.full, pressed, velocity)
         why = why or Finding(Kind.VELOCITY_NOT_ADMISSIBLE, (), leaks, Severity.REASON)
         findings = (why, Finding(Kind.SOLVE, values={"report": state.report}))
     return UpperBound(
-        status=status,
-        load_factor=load_factor if proves else np.nan,
-        rigor=rigor,
+        status=Status.SOLVED if proves else Status.NOT_CERTIFIED,
+        load_factor=_load_factor(discretisation, velocity, power) if proves else np.nan,
+        rigor=_rigor(discretisation) if proves else Rigor.NOT_CERTIFIED,
         divergence=leak,
         penetration=float(penetration),
         velocity=velocity,
         dissipation=power,
         state=state,
         findings=findings,
+    )
+
+
+def _leak(program: KinematicProgram, velocity: Floats) -> float:
+    """Volume that incompressible parts gain, per largest velocity."""
+    gained = sum(
+        float(group.weights @ np.abs(group.volumetric @ velocity))
+        for group in program.groups
+        if group.surfaces is None
+    )
+    return gained / float(np.abs(velocity).max())
+
+
+def _strain(groups: Sequence[DissipationGroup], velocity: Floats) -> float:
+    """Integral of the strain rates of groups."""
+    return sum(
+        float(group.weights @ np.linalg.norm(group.cone_vectors(velocity), axis=1))
+        for group in groups
+    )
+
+
+def _rigor(discretisation: Discretisation) -> Rigor:
+    """What an admissible velocity proves: something of the continuum where edges are straight."""
+    bodies = discretisation.continua.values()
+    strict = all(one.linear and one.body.geometry == "exact" for one in bodies)
+    return Rigor.UPPER if strict else Rigor.DISCRETE
+
+
+def _load_factor(
+    discretisation: Discretisation, velocity: Floats, power: Mapping[str, Floats]
+) -> float:
+    """Return the power that is dissipated less that of the dead load (T5)."""
+    full = discretisation.full
+    hinges = full.groups[region_count(discretisation.continua) + len(discretisation.jumping) :]
+    return (
+        sum(float(part.sum()) for part in power.values())
+        + sum(float(group.dissipation(velocity).sum()) for group in hinges)
+        + full.friction_dissipation(velocity, full.contact.limit)
+        - float(full.dead_load @ velocity)
     )
 
 
