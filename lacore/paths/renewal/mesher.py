@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -27,11 +27,11 @@ _CLOSE = 0.1  # of that number
 
 @dataclass(frozen=True, repr=False)
 class Remeshing(Compact):
-    """Make new triangle meshes when elements become distorted, with Gmsh (extra ``gmsh``).
+    """Make new meshes when elements become distorted: triangles, with Gmsh (extra ``gmsh``).
 
-    The outline, its names and corners, ends of contact with obstacles, vertices with a `PointForce`
-    or a `PointTravel`, and the edges of bonded boundaries stay. New vertices lie on the old
-    outline, and areas stay the same unless this would invert an element.
+    With Gmsh, the outline, its names and corners, ends of contact with obstacles, vertices with a
+    `PointForce` or a `PointTravel`, and the edges of bonded boundaries stay. New vertices lie on
+    the old outline, and areas stay the same unless this would invert an element.
     A new mesh is made before a step if the quality of an element, its mean ratio, has decreased to
     less than `quality` times that at the beginning of the path or at the last remeshing, and if the
     next step would invert an element.
@@ -40,6 +40,8 @@ class Remeshing(Compact):
         size: length of edges, m, or one for each body by name; None: new elements are as large as
             the old ones at the same place, and about as many.
         quality: ratio below which a new mesh is made, between 0 and 1.
+        mesher: a function that makes the meshes instead of Gmsh, from the problem on the current
+            shape, see `lacore.paths.renewal.remeshing.Remesh`.
 
     Example:
         >>> remesh = la.Remeshing(quality=0.3)  # as `remesh` of `lacore.sequential`
@@ -47,8 +49,16 @@ class Remeshing(Compact):
 
     size: float | Mapping[str, float] | None = None
     quality: float = 0.3
+    mesher: Callable[[Problem], Mapping[str, Mesh]] | None = None
 
     def __post_init__(self) -> None:
+        if self.mesher is not None and self.size is not None:
+            raise InputError(
+                "Remeshing.size",
+                self.size,
+                "the function `mesher` decides on the sizes",
+                "leave out `size` or `mesher`",
+            )
         named = self.size.items() if isinstance(self.size, Mapping) else [("", self.size)]
         for name, size in named:
             if size is not None:
@@ -67,7 +77,7 @@ class Remeshing(Compact):
         problem: Problem,
         bodies: Sequence[str] = (),
         keep: Mapping[str, Sequence[Point]] = MappingProxyType({}),
-    ) -> dict[str, Mesh]:
+    ) -> Mapping[str, Mesh]:
         """Return new meshes.
 
         Args:
@@ -78,6 +88,8 @@ class Remeshing(Compact):
         Raises:
             InputError: Gmsh fails; see `check`.
         """
+        if self.mesher is not None:
+            return self.mesher(problem)
         self.check(problem)
         deforming = of_kind(problem.bodies, Body)
         return {
@@ -87,6 +99,8 @@ class Remeshing(Compact):
 
     def check(self, problem: Problem) -> None:
         """Raise `InputError`: Gmsh is missing, a body of several regions, a size of no body."""
+        if self.mesher is not None:
+            return
         deforming = of_kind(problem.bodies, Body)
         if isinstance(self.size, Mapping):
             for name in self.size:

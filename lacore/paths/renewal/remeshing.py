@@ -200,6 +200,8 @@ def again(stage: Stage, control: Control, made: NewMeshes) -> tuple[Stage, Contr
 
 def described(remesh: Remesh | None) -> object:
     """What to know it by again: of a function its name, and what it does must not change."""
+    if isinstance(remesh, Remeshing) and remesh.mesher is not None:
+        return [remesh.quality, described(remesh.mesher)]
     if remesh is None or isinstance(remesh, Remeshing):
         return remesh
     name = getattr(remesh, "__qualname__", type(remesh).__qualname__)

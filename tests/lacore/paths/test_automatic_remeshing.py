@@ -13,6 +13,7 @@ from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves, jacobians
 from lacore.meshes.renewal.distortion import mean_ratios
 from lacore.paths.ending import Ending
+from lacore.paths.renewal.remeshing import described
 from tests.lacore.paths.path_billets import billet, pressed
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after
 from tests.lacore.paths.test_path_remesh import require_gmsh
@@ -118,6 +119,27 @@ def test_uniform_flow_does_not_notice(space):
     assert np.abs(reported(path, "load by")).max() < SOLVER
     assert np.abs(reported(path, "strain jumps by")).max() < VELOCITY
     assert np.abs(reported(path, "differ by up to")).max() < VELOCITY
+
+
+def squeezed(current):
+    """Four equal rectangles, in the outline of the strip."""
+    x, y = current.bodies["strip"].mesh.p.max(axis=1).tolist()
+    return {"strip": la.meshes.quadrilaterals(x=(0, x), y=(0, y), nx=2, ny=2)}
+
+
+def test_meshes_of_a_function():
+    """It is called when the quality falls, without Gmsh, and a checkpoint knows its name."""
+    remesh = la.Remeshing(quality=0.99, mesher=squeezed)
+    path = la.sequential(strip(1, "q2"), 0.3, 3, remesh=remesh)
+    assert path.status is Ending.REACHED, path.message
+    assert [first for first, _ in path.later] == [2, 3]
+    assert (
+        np.abs(reported(path, "volume jumps by")).max() < VELOCITY
+    )  # sides are not quite straight
+    quality, name = described(remesh)
+    assert (quality, name.split(".")[-1]) == (0.99, "squeezed")
+    with pytest.raises(InputError, match="leave out `size` or `mesher`"):
+        la.Remeshing(size=0.1, mesher=squeezed)
 
 
 def test_a_body_that_has_not_deformed():
