@@ -22,7 +22,8 @@ from lacore.meshes.curved import edge_curves
 WIDTH, DEPTH = 6.0, 4.0  # of the half, in largest depths of the wedge
 _GROWS = 1.3  # from cell to cell
 _ON = 1e-5  # of the depth: what counts as on the face
-_SHARES = np.linspace(0.0, 1.0, 9)[:-1]  # of a curved edge as a polyline
+SAMPLES = 8  # parts of a curved edge as a polyline
+_SHARES = np.linspace(0.0, 1.0, SAMPLES + 1)[:-1]
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,9 @@ class Columns:
         on_lip = np.concatenate([beside, near + _growing(size, lip.length - near)[1:]])
         below = np.linspace(0, length, self.cells + 1)
         rows = np.concatenate([below, length + _growing(size, DEPTH - depth - length)[1:]])
-        top = np.concatenate([_along(face, on_face)[:-1], _along(lip, on_lip)])
-        middles = np.concatenate([_middles(face, on_face), _middles(lip, on_lip)])
-        return _columns(top, middles, rows / rows[-1])
+        top = np.concatenate([along(face, on_face)[:-1], along(lip, on_lip)])
+        halves = np.concatenate([middles(face, on_face), middles(lip, on_lip)])
+        return _columns(top, halves, rows / rows[-1])
 
 
 def surface(mesh: Mesh) -> Floats:
@@ -138,11 +139,12 @@ def lip_error(path: "la.Path", half_angle: float) -> float:
     return float(shapely.distance(shapely.points(points), exact).max()) / depth
 
 
-def _along(line: shapely.LineString, at: Floats) -> Floats:
+def along(line: shapely.LineString, at: Floats) -> Floats:
+    """Points at distances along a line, shape (n, 2)."""
     return np.asarray(shapely.get_coordinates(shapely.line_interpolate_point(line, at)))
 
 
-def _middles(line: shapely.LineString, at: Floats) -> Floats:
+def middles(line: shapely.LineString, at: Floats) -> Floats:
     """Middles of curved edges between places of a line, with the same area below them."""
     found = []
     for low, high in pairwise(at):
