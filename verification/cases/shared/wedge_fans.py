@@ -21,7 +21,6 @@ from skfem.mesh import MeshTri1, MeshTri2
 import lacore as la
 from lacore.arrays import Floats, Ints
 from lacore.meshes.curved import jacobians
-from lacore.paths.tools.block import ToolBlock
 from verification.cases.shared.wedge_meshes import (
     DEPTH,
     SAMPLES,
@@ -65,10 +64,9 @@ class Fan:
         """New meshes of the same area, for `la.Remeshing(mesher=...)`."""
         body, tool = problem.bodies["body"], problem.bodies["wedge"]
         assert isinstance(body, la.Body)
-        assert isinstance(tool, ToolBlock)
-        behind = -float(tool.shape.distance(np.zeros((2, 1)))[0])
+        assert isinstance(tool, la.BlockAssembly)
         points = surface(body.mesh)
-        points[0] = 0.0, -behind / sin(radians(self.half_angle))  # exact, not only as solved
+        points[0] = 0.0, tool.centroid[1, 0]  # the tip, not only as exact as solved
         end, lip = _contact_end(points, self.half_angle)
         return {"body": self._mesh(points[0], end, lip, _area(body.mesh))}
 
