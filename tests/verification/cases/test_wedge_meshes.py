@@ -1,5 +1,7 @@
 """Meshes of wedges that indent a body, and the path on those along the slip lines."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import shapely
@@ -21,7 +23,7 @@ ROUND_OFF = 1e-12
 FORCE, LIP, VOLUME = 0.02, 0.03, 1e-6  # required: relative, per depth, relative in a step
 
 
-def test_the_surface_leaves_the_face_with_the_same_area():
+def test_the_surface_leaves_the_face_with_the_same_area() -> None:
     """Of an edge that is a parabola: two thirds of the way to its control point."""
     s = np.linspace(0.0, 1.0, 9)[1:, None]
     tip, vertex, control, foot = map(np.array, [(0, -1.0), (0.5, -0.5), (0.8, -0.2), (1.4, -0.1)])
@@ -33,7 +35,7 @@ def test_the_surface_leaves_the_face_with_the_same_area():
 
 
 @pytest.mark.parametrize("half_angle", [15.0, 30.0, 45.0])
-def test_the_first_mesh_has_the_shape_of_the_solution(half_angle):
+def test_the_first_mesh_has_the_shape_of_the_solution(half_angle: float) -> None:
     mesh = Fan(half_angle, cells=4, step=0.02).first(0.5)
     assert jacobians(mesh).mean(axis=1).sum() / 2 == pytest.approx(WIDTH * DEPTH, rel=ROUND_OFF)
     tip, end, foot = np.array([0.0, -0.5]), *Hill(half_angle).lip(0.5).T
@@ -41,9 +43,9 @@ def test_the_first_mesh_has_the_shape_of_the_solution(half_angle):
     assert shapely.distance(shapely.points(surface(mesh)), exact).max() < ROUND_OFF
 
 
-def test_the_force_on_the_first_mesh():
+def test_the_force_on_the_first_mesh() -> None:
     """Of one step, which is solved where it begins."""
-    given = {"half_angle": 30.0, "cells": 4, "steps": 40, "scheme": "explicit"}
+    given: dict[str, Any] = {"half_angle": 30.0, "cells": 4, "steps": 40, "scheme": "explicit"}
     case = wedge_notch.path(**given)
     problem = case.problem(wedge_notch.build(**given))
     path = la.sequential(problem, 1e-4, 1, "explicit", case.control, tools=case.tools)
@@ -53,13 +55,10 @@ def test_the_force_on_the_first_mesh():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("half_angle", [15.0, 30.0, 45.0])
-def test_a_wedge_four_times_as_deep_as_its_notch(half_angle):
+def test_a_wedge_four_times_as_deep_as_its_notch(half_angle: float) -> None:
     """Force over the second half of the path, lip and volume of each step."""
-    (given,) = (
-        own.parameters
-        for own in wedge_notch.CASE.variants
-        if own.parameters["half_angle"] == half_angle
-    )
+    variants = {own.parameters["half_angle"]: own for own in wedge_notch.CASE.variants}
+    given: dict[str, Any] = dict(variants[half_angle].parameters)
     case, problem = wedge_notch.path(**given), wedge_notch.build(**given)
     path = la.sequential(
         case.problem(problem),
