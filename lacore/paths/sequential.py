@@ -251,8 +251,8 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     begin = time.perf_counter()
     for event in log.events:
         if event.kind == FOLDED and event.step == here.step:
-            message = text("{}; {}", event.what, Ending.FOLDED.value)
-            raise PathEndError(Ending.FOLDED, message)
+            folded = Finding(Kind.EVENT, (), {"what": event.what}, Severity.DETAIL)
+            raise PathEndError(Ending.FOLDED, folded)
     # Reactions of the step before are too far off, its slip is where to look for them.
     walk.solves, walk.pressed, walk.before = 0, None, here.velocity
     walk.require_safe(here, distance)

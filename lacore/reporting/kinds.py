@@ -166,6 +166,7 @@ class Kind(Enum):
 
     # Paths
     ELEMENT = "element {element} of {where!r} near {place}"
+    EVENT = "{what}"
     FOLD = "the boundary of {where!r} touches itself near {place}"
     CORNER_INSIDE = "{where}: a corner of one body is {depth} inside the other near {place}"
     CONTACTS = "{where}"
