@@ -12,6 +12,10 @@ A slice of the axisymmetric bodies (r, z), without axial motion; each has its ow
 carries the pressure between them. It is never in tension, so the two tubes stay together, and no
 shear acts there in the whole tube either: the closed form is that of one thick tube, also where
 the elements of the two do not match, and whichever of the two is the slave.
+
+As both tubes flow, the pressure between them is that which the outer one carries alone. Below the
+limit pressure it is not determined: each tube carries different pressures at the joint. So is the
+friction there, and the force that would pull one tube out of the other along the axis.
 """
 
 import lacore as la
