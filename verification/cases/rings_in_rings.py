@@ -14,8 +14,8 @@ shear acts there in the whole tube either: the closed form is that of one thick 
 the elements of the two do not match, and whichever of the two is the slave.
 
 As both tubes flow, the pressure between them is that which the outer one carries alone. Below the
-limit pressure it is not determined: each tube carries different pressures at the joint. So is the
-friction there, and the force that would pull one tube out of the other along the axis.
+limit pressure it is not determined: both tubes carry different pressures at the joint. The friction
+there, and the force that would pull one tube out of the other, are not determined either.
 """
 
 import lacore as la
