@@ -52,7 +52,8 @@ from .errors import LacoreError as LacoreError
 from .errors import SolveError as SolveError
 from .files.problem.reading import read_problem as read_problem
 from .files.problem.writing import write_problem as write_problem
-from .limit.boxed import solve as solve
+from .limit.advice import advice as advice
+from .limit.solve import solve as solve
 from .limit.stability import Stability as Stability
 from .limit.state import LimitState as LimitState
 from .materials import hardening as hardening

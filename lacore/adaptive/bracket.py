@@ -14,7 +14,7 @@ from lacore.bounds.gap_identity import GapIdentity, gap_identity
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.precision import exactness
 from lacore.bounds.upper import UpperBound
-from lacore.limit.reached import reached_supports
+from lacore.limit.judges.reached import reached_supports
 from lacore.reporting.findings import Finding, Severity, texts
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON, Reader

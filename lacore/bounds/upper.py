@@ -35,8 +35,8 @@ from lacore.errors import InputError, SolveError, typed
 from lacore.inner.preparing import preparing
 from lacore.inner.rigid_motions import motions_without_strain
 from lacore.limit.conversion import point_in_program
-from lacore.limit.driven_corners import driven_corners
-from lacore.limit.reached import reached_supports
+from lacore.limit.judges.driven_corners import driven_corners
+from lacore.limit.judges.reached import reached_supports
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem

@@ -7,27 +7,61 @@ over the largest excess a lower one. With the node off the peak by e the load fa
 O(e^2), and so is the next node: a few rounds give all digits, as Newton's method would.
 """
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
+from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.span_nodes import places_on, with_nodes
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.frames.frame import Frame
+from lacore.limit.outcome import Outcome
 from lacore.limit.span_moments import span_excess, span_moments
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
+from lacore.status import Status
 
 ROUNDS = 12
+_REGULARISED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _APART = 0.1  # of a piece: nodes of earlier rounds nearer than this give way to the next ones
 
 
-def excess(state: LimitState) -> float:
+def with_hinges(
+    given: Problem,
+    problem: Problem | Discretisation,
+    tolerance: float,
+    solved: Callable[[Problem | Discretisation], Outcome],
+) -> Outcome:
+    """Solve again with nodes where moments exceed the plastic moment, until they nowhere do.
+
+    Args:
+        given: The problem before any round.
+        problem: The problem, or its discretisation.
+        tolerance: Excess that is none, relative.
+        solved: Solves with the nodes that there are.
+    """
+    outcome = solved(problem)
+    tolerance = _REGULARISED if outcome.regularised else tolerance
+    for _ in range(ROUNDS):
+        if outcome.status is not Status.SOLVED or excess(outcome) <= tolerance:
+            return outcome
+        times, finer = outcome.times, hinged(outcome, given, tolerance)
+        outcome = solved(finer)
+        outcome = replace(outcome, times=times.plus(outcome.times))
+    if outcome.status is Status.SOLVED and (over := excess(outcome)) > tolerance:
+        return replace(outcome, excess=over)
+    return outcome
+
+
+def excess(found: Outcome | LimitState) -> float:
     """How far moments inside members exceed the plastic moment, relative; at least 0."""
-    assert state.point is not None
-    return span_excess(state.discretisation, state.point)
+    assert found.point is not None
+    return span_excess(found.discretisation, found.point)
 
 
-def hinged(state: LimitState, given: Problem, tolerance: float) -> Problem:
-    """The problem of a state with nodes where its moments exceed the plastic moment most.
+def hinged(state: Outcome, given: Problem, tolerance: float) -> Problem:
+    """The problem of an outcome with nodes where its moments exceed the plastic moment most.
 
     Args:
         state: with a point.

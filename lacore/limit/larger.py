@@ -1,9 +1,9 @@
 """A problem with more ground beyond a side that holds it: what a box costs is asked, not guessed.
 
 On coarse meshes any motion ends in the last element, and speeds do not tell whether a box is too
-small (`lacore.limit.reached`). The same mesh with one row of elements more does: velocities of the
-problem are velocities of the larger one, too, so that it carries no more, and less where the box
-holds a mechanism back.
+small (`lacore.limit.judges.reached`). The same mesh with one row of elements more does: velocities
+of the problem are velocities of the larger one, too, so that it carries no more, and less where the
+box holds a mechanism back.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.conditions.loads import Fix
 from lacore.errors import InputError
-from lacore.limit.reached import doubtful_supports, side
+from lacore.limit.judges.reached import doubtful_supports, side
 from lacore.limit.row_beyond import with_row_beyond
 from lacore.meshes.refinement import bisected
 from lacore.problem.problem import Problem

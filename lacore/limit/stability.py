@@ -22,11 +22,10 @@ from lacore.certificate import certify
 from lacore.claims.carrying import carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.kinds import COUPLINGS
-from lacore.coupling.run import Coupled
 from lacore.inner.preparing import preparing
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
-from lacore.limit.driven_corners import driven_corners
+from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
 from lacore.program import (
     FrozenContact,
@@ -35,7 +34,7 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
-from lacore.reporting.findings import Finding, Severity, texts
+from lacore.reporting.findings import Finding, texts
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON, Reader
 from lacore.showing import Facts, Shown
@@ -168,16 +167,6 @@ def stability_of(
     known += _carried_ends(discretisation, program, laws, prepare, tolerance)
     why = cells.fall_of_cells(discretisation.problem, Status.UNSAFE)
     return _stability(Standing.FALLS, known, load_factor, point, found.residual, why)
-
-
-def warning(coupled: Coupled, load_factor: float) -> Finding | None:
-    """Return what a load factor alone does not tell, from what the loop has seen; mostly None."""
-    first = coupled.iterates[0]
-    if coupled.status is not Status.SOLVED:
-        return None
-    if first.kind == "associated" and first.inner.status is Status.LOCKED:
-        return Finding(Kind.LARGER_LOADS, severity=Severity.WARNING)
-    return Finding(Kind.NEGATIVE, severity=Severity.WARNING) if load_factor < 0 else None
 
 
 def _stability(

@@ -19,7 +19,7 @@ from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import CapabilityError, InputError, require_positive, typed
 from lacore.limit import cells
-from lacore.limit.solve import strict_bound
+from lacore.limit.outcome import strict_bound
 from lacore.limit.stability import Stability, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem

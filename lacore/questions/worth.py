@@ -4,7 +4,7 @@ import numpy as np
 
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit.hinging import excess
-from lacore.limit.solve import strict_bound
+from lacore.limit.outcome import strict_bound
 from lacore.limit.state import LimitState
 from lacore.status import Rigor, Scope, Status
 

@@ -16,13 +16,15 @@ from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend, read_options
 from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
+from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
 from lacore.errors import InputError, require_positive, require_whole, typed
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_program
-from lacore.limit.driven_corners import driven_corners
+from lacore.limit.judges.driven_corners import driven_corners
+from lacore.limit.outcome import Times, outcome_of
 from lacore.limit.solve import limit_state, solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -257,7 +259,7 @@ def coulomb_range(
     if problem.scope is Scope.DISCRETE:
         continuum = continuum_range(problem, backend, options or {}, target_width)
     given: dict[str, Any] = {"backend": backend, "tolerance": tolerance, "options": options}
-    first = solve(problem, coupling="certified", **given)
+    first = solve(problem, coupling=CERTIFIED, **given)
     problem = first.discretisation  # with the nodes where members under line loads hinge
     program = dimensionless(problem.program, problem.natural)
     scale = problem.natural.load_factor
@@ -303,21 +305,11 @@ def coulomb_range(
     for side, found in search.best.items():
         end = found.end(side)
         last = replace(found.iterates[-1], state=end.point, certificate=end.certificate)
-        ends[side] = replace(
-            limit_state(
-                problem,
-                program,
-                Coupled(Status.SOLVED, found.iterates, last),
-                backend=backend,
-                coupling="certified",
-                regularised=False,
-                build_time=first.build_time,
-                options=options or {},
-                tolerance=tolerance,
-            ),
-            load_factor=_outward(side, end.load_factor * scale, first),
-            solve_time=clock.seconds,
-        )
+        coupled = Coupled(Status.SOLVED, found.iterates, last, tolerance=tolerance)
+        times = Times(first.build_time, clock.seconds)
+        outcome = outcome_of(problem, program, coupled, CERTIFIED, times)
+        load_factor = _outward(side, end.load_factor * scale, first)
+        ends[side] = limit_state(outcome, backend, options or {}, load_factor)
     for refused in [state for state in ends.values() if state.status is not Status.SOLVED][:1]:
         first, ends = refused, {}
     none = Status.NOT_CERTIFIED if first.status is Status.SOLVED else first.status

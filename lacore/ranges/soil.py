@@ -16,11 +16,13 @@ from lacore.assembly.discretise import discretise
 from lacore.backend import check_capable, find_backend, read_options
 from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
+from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.run import Coupled, CouplingOptions, Run
 from lacore.coupling.soil_search import SEARCHES, SoilFound, soil_bounds, soil_states
 from lacore.errors import InputError, is_number, require_positive, typed
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
+from lacore.limit.outcome import Times, outcome_of
 from lacore.limit.solve import limit_state, solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -296,18 +298,10 @@ def _state(
     """The end of a search as a state of its problem."""
     assert found.final is not None
     iterates = (found.start, *found.iterates)
-    state = limit_state(
-        problem,
-        program,
-        Coupled(Status.SOLVED, iterates, found.final, tolerance=tolerance),
-        backend=given["backend"],
-        coupling="certified",
-        regularised=False,
-        build_time=build_time,
-        options=given["options"] or {},
-        tolerance=tolerance,
-    )
-    return replace(state, solve_time=float(sum(one.inner.solve_time for one in iterates)))
+    coupled = Coupled(Status.SOLVED, iterates, found.final, tolerance=tolerance)
+    times = Times(build_time, float(sum(one.inner.solve_time for one in iterates)))
+    outcome = outcome_of(problem, program, coupled, CERTIFIED, times)
+    return limit_state(outcome, given["backend"], given["options"] or {})
 
 
 def _why(problem: Discretisation, given: Mapping[str, Any]) -> tuple[Status, Ray | None]:

@@ -13,6 +13,7 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, is_number, require_known, require_width
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied, read_varied
+from lacore.reporting.findings import Finding, Message
 from lacore.reporting.text import text
 from lacore.showing import counted
 from verification.problems.asking import Given
@@ -62,6 +63,7 @@ class Answer:
         bracket, range, safety: as asked for.
         more: answers by their name in `MORE`; a text says why there is none.
         seconds: of all of it.
+        advice: on larger domains; see `lacore.advice`.
     """
 
     state: la.LimitState
@@ -72,6 +74,17 @@ class Answer:
     safety: la.SafetyFactor | None
     more: Mapping[str, Any]
     seconds: float
+    advice: tuple[Finding, ...] = ()
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Findings of the state, and advice."""
+        return (*self.state.findings, *self.advice)
+
+    @property
+    def report(self) -> Message:
+        """Status of the state with all findings, to be rendered for a reader."""
+        return self.state.status.report(self.findings)
 
     @property
     def bracketed(self) -> bool:
@@ -189,7 +202,7 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
         )
     with doing("solving"):
         state = la.solve(problem, question.backend, question.coupling)
-        interval = stability = None
+        advice, interval, stability = la.advice(state), None, None
         if state.status is la.Status.SOLVED and has_coulomb(problem):
             interval = None if engine.capabilities.regularised else state.interval()
         if problem.dead_loads:
@@ -217,7 +230,7 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             except InputError as error:  # the load factor remains a valid result
                 others[name] = text("no result: {}", error.text)
     seconds = time.perf_counter() - begin
-    return Answer(state, interval, stability, bracket, found, safety, others, seconds)
+    return Answer(state, interval, stability, bracket, found, safety, others, seconds, advice)
 
 
 def _given(state: la.LimitState, question: Question, tell: Callable[[str], None]) -> Given:

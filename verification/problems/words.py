@@ -56,8 +56,8 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     problem = state.discretisation.problem
     told["reference loads"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
-        told["status"] = state.report.text_for(reader)
-    elif note := state.report.notes_for(reader):
+        told["status"] = answer.report.text_for(reader)
+    elif note := answer.report.notes_for(reader):
         told["note"] = note
     if answer.interval is not None:
         told["interval"] = _interval(answer.interval)

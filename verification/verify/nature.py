@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import lacore as la
-from lacore.limit.solve import strict_bound
+from lacore.limit.outcome import strict_bound
 from lacore.solvers.child_process import START, ChildProcess
 from verification.case import Case, Variant, is_of_lacore
 

@@ -7,15 +7,16 @@ import pytest
 
 import lacore as la
 from lacore.bodies.continuum.loaded import force
-from lacore.limit import boxed
+from lacore.limit import advice
 from lacore.limit.larger import with_ground_beyond
 from lacore.limit.solve import solve
 from verification.catalogue.catalogue import catalogue, find
 
 
-@pytest.fixture(autouse=True, scope="module")
-def ground_beyond():
-    """Solve problems with more ground, as users do: the tests of this file are about them."""
+def told(problem):
+    """The message of a state, with the advice on more ground."""
+    state = la.solve(problem)
+    return "; ".join([state.message, *map(str, la.advice(state))])
 
 
 def strip(width, depth, nx=16, ny=9, angle=20.0, bottom="xy"):
@@ -43,7 +44,7 @@ def strip(width, depth, nx=16, ny=9, angle=20.0, bottom="xy"):
     ],
 )
 def test_a_box_that_is_too_small_is_named(box, names):
-    message = la.solve(strip(*box)).message
+    message = told(strip(*box))
     assert ("the mechanism reaches" in message) == bool(names)
     for side in ("soil.left", "soil.right", "soil.bottom"):
         assert (side in message) == (side in names)
@@ -60,6 +61,16 @@ def test_bounds_and_factors_of_safety_name_it_too(depth):
     assert ("note" in repr(factor)) == bool(told)
 
 
+def test_a_solve_asks_for_no_advice(monkeypatch):
+    def refuse(problem):
+        raise AssertionError("a larger problem is solved")
+
+    monkeypatch.setattr(advice, "_associated", refuse)
+    state = la.solve(strip(4.0, 1.4, nx=8, ny=5))
+    with pytest.raises(AssertionError, match="a larger problem is solved"):
+        la.advice(state)
+
+
 def test_more_ground_is_all_that_is_solved_besides(monkeypatch):
     """Of an associated problem the load is known, and only the larger one is not."""
     asked = []
@@ -68,16 +79,16 @@ def test_more_ground_is_all_that_is_solved_besides(monkeypatch):
         asked.append(problem)
         return solve(problem, coupling="associated").load_factor
 
-    monkeypatch.setattr(boxed, "_associated", counted)
+    monkeypatch.setattr(advice, "_associated", counted)
     problem = strip(4.0, 1.4, nx=8, ny=5)
-    assert "reaches" not in la.solve(problem).message
+    assert "reaches" not in told(problem)
     (larger,) = asked
     assert larger.bodies["soil"].mesh.nelements > problem.bodies["soil"].mesh.nelements
 
 
 def test_coarse_elements_beside_a_support_say_little():
     """Any motion ends in the last of them."""
-    assert "reaches" not in la.solve(strip(4.0, 1.4, nx=5, ny=2)).message
+    assert "reaches" not in told(strip(4.0, 1.4, nx=5, ny=2))
 
 
 @pytest.mark.parametrize("cells", [(3, 2), (5, 2), (8, 5)])  # (3, 2): finer ones acquit
@@ -86,7 +97,7 @@ def test_coarse_elements_beside_a_support_say_little():
     [((4.0, 1.4), []), ((2.5, 1.4), ["soil.right"]), ((4.0, 0.7), ["soil.bottom"])],
 )
 def test_more_ground_tells_of_a_box_on_coarse_meshes_too(box, names, cells):
-    message = la.solve(strip(*box, *cells)).message
+    message = told(strip(*box, *cells))
     for side in ("soil.right", "soil.bottom"):
         assert (f"the mechanism reaches {side}" in message) == (side in names)
 

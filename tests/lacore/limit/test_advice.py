@@ -1,12 +1,11 @@
-"""What `la.solve` says to who asked for a state that it has no load factor for."""
+"""What a state without a load factor reports on bodies without strength."""
 
 import re
-from dataclasses import replace
 
 import pytest
 
 import lacore as la
-from lacore.limit.boxed import telling
+from lacore.limit.judges.judging import strengthless_bodies
 from lacore.status import Status
 
 
@@ -24,8 +23,8 @@ def masonry(criterion):
 
 
 def told(state, status):
-    """The message of a state, if its status were another."""
-    return telling(lambda: replace(state, status=status))().message
+    """What is reported of bodies without strength, if the status of a state were another."""
+    return "; ".join(map(str, strengthless_bodies(state, status)))
 
 
 @pytest.mark.parametrize("status", [Status.NOT_CERTIFIED, Status.STALLED, Status.ITERATION_LIMIT])

@@ -1,0 +1,144 @@
+"""The outcome of a solve: what a loop found and what is proven of it, before it is judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lacore.assembly.discretisation import Discretisation
+from lacore.bodies.continuum.body_forces import linear
+from lacore.bodies.continuum.spaces import SPACES
+from lacore.certificate import Certificate, certify
+from lacore.claims.judged import Ray
+from lacore.coupling.bounds import kinematic_load_factor
+from lacore.coupling.kinds import COUPLINGS
+from lacore.coupling.run import Coupled
+from lacore.limit import cells
+from lacore.limit.conversion import point_in_si
+from lacore.limit.judges.driven_corners import driven_corners
+from lacore.program import KinematicProgram
+from lacore.reporting.findings import Finding
+from lacore.showing import Compact
+from lacore.state import ProgramState
+from lacore.status import Rigor, Status
+
+
+@dataclass(frozen=True)
+class Times:
+    """Durations of a solve, s: assembly, the rest without compilation, compilation."""
+
+    build: float
+    solve: float
+    compile: float = 0.0
+
+    def plus(self, other: Times) -> Times:
+        """Return the sums."""
+        return Times(
+            self.build + other.build, self.solve + other.solve, self.compile + other.compile
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class Outcome(Compact):
+    """What a solve found, and what is proven of it.
+
+    Attributes:
+        discretisation: The problem that was solved.
+        program: Its program, dimensionless, as the coupling solves it.
+        coupled: End of the loop.
+        coupling: Name.
+        regularised: Whether the backend is regularised.
+        status: What is proven; judges may still refuse it.
+        point: State in SI units, with the load factor to report; None where there is none.
+        certificate: Its residuals.
+        findings: Reasons of the loop, or of the proof of its claim.
+        ray: Proof of LOCKED or UNSAFE, dimensionless.
+        excess: Share by which moments inside members exceed the plastic moment beyond tolerance.
+        times: Durations.
+    """
+
+    discretisation: Discretisation
+    program: KinematicProgram
+    coupled: Coupled
+    coupling: str
+    regularised: bool
+    status: Status
+    point: ProgramState | None
+    certificate: Certificate | None
+    findings: tuple[Finding, ...]
+    ray: Ray | None
+    times: Times
+    excess: float = 0.0
+
+    @property
+    def bracket(self) -> tuple[float, float] | None:
+        """Load factors that enclose every Coulomb one, where the loop found them."""
+        if self.coupled.bracket is None:
+            return None
+        lower, upper = (end * self.program.scales.load_factor for end in self.coupled.bracket)
+        # Contact at corners, which no program has, may carry more.
+        beyond = driven_corners(self.discretisation, None, self.coupled.tolerance)
+        return float(lower), np.inf if beyond else float(upper)
+
+    def load_factor(self, status: Status) -> float:
+        """Return the load factor that a status allows to report."""
+        if status is Status.SOLVED and self.point is not None:
+            return self.point.load_factor
+        return np.inf if status is Status.LOCKED else np.nan
+
+    def rigor(self, status: Status) -> Rigor:
+        """Return what the load factor proves."""
+        if status is not Status.SOLVED:
+            return Rigor.NOT_CERTIFIED
+        if self.regularised:
+            return Rigor.REGULARISED
+        full = self.discretisation.full
+        normal = COUPLINGS[self.coupling].bounds == "upper" or full.associated_flow
+        return Rigor.UPPER if normal and strict_bound(self.discretisation) else Rigor.DISCRETE
+
+
+def outcome_of(
+    discretisation: Discretisation,
+    program: KinematicProgram,
+    coupled: Coupled,
+    coupling: str,
+    times: Times,
+    *,
+    regularised: bool = False,
+) -> Outcome:
+    """Return the outcome of a loop, with the claim of the loop as its status."""
+    point, certificate = coupled.final.state, coupled.final.certificate
+    bound = coupled.laws is not None or program.associated_flow
+    if bound and point is not None and certificate is not None and not regularised:
+        # Of a Coulomb state the static value is reported, with which equilibrium holds.
+        point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
+        # The gap stays that between the two values; everything else must hold for the reported one.
+        certificate = replace(certify(program, point, coupled.laws), gap=certificate.gap)
+    return Outcome(
+        discretisation=discretisation,
+        program=program,
+        coupled=coupled,
+        coupling=coupling,
+        regularised=regularised,
+        status=coupled.status,
+        point=None if point is None else point_in_si(discretisation, point),
+        certificate=certificate,
+        findings=coupled.findings,
+        ray=None,
+        times=times,
+    )
+
+
+def strict_bound(discretisation: Discretisation) -> bool:
+    """Whether dissipation is nowhere below that of the continuum, and the power of loads exact."""
+    bodies = {name: dofs.body for name, dofs in discretisation.continua.items()}
+    loads = [load for load in discretisation.problem.loads.values() if load.body in bodies]
+    return (
+        not cells.from_below(discretisation.problem)
+        and all(
+            SPACES[own.space].strict and own.geometry == "exact" and own.bounded
+            for own in bodies.values()
+        )
+        and all(linear(load, bodies[load.body]) for load in loads)
+    )

@@ -1,0 +1,113 @@
+"""From a problem to its outcome: the loop of a coupling, and the proof of what it claims."""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
+from lacore.backend import Backend, find_backend, read_options
+from lacore.claims.judged import CLAIMED, judged_claim
+from lacore.coupling.kinds import COUPLINGS
+from lacore.coupling.nearby import Nearby
+from lacore.coupling.run import CouplingOptions, Iterate, Run
+from lacore.inner.preparing import preparing, rough
+from lacore.inner.rescaling import good_for
+from lacore.limit.engines import engine_for, stated
+from lacore.limit.outcome import Outcome, Times, outcome_of
+from lacore.limit.stability import stability_of
+from lacore.problem.problem import Problem
+from lacore.program import associated_contact, frictionless_contact
+from lacore.showing import Compact
+from lacore.solvers.compilation import SolveClock
+from lacore.solvers.isolation import SolverProcess, make_ready
+from lacore.solvers.registry import JUDGE
+from lacore.status import Status
+
+
+@dataclass(frozen=True, repr=False)
+class Request(Compact):
+    """How to solve; see `lacore.solve` for all fields but these.
+
+    Attributes:
+        coupling: Name; None for the default of the backend.
+        loop: Options of the loop.
+        near: Friction of a state nearby, in SI units.
+    """
+
+    backend: str
+    coupling: str | None
+    loop: CouplingOptions
+    options: Mapping[str, Any]
+    on_iterate: Callable[[Iterate], None]
+    process: SolverProcess | None
+    near: Nearby
+
+
+def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outcome:
+    """Solve with hinges at the nodes that there are, and prove what the loop claims."""
+    engine, coupling, options = engine_for(
+        request.backend, request.coupling, request.options, request.process
+    )
+    begin = time.perf_counter()
+    if not isinstance(problem, Discretisation):
+        problem = discretise(problem)
+    program = stated(problem, engine, coupling, request.coupling)
+    near, loop = request.near.within(program), request.loop
+    if not program.frictional:
+        loop = replace(loop, accepted=None)
+    build_time, clock = time.perf_counter() - begin, SolveClock()
+    make_ready(engine)
+    regularised = engine.capabilities.regularised
+    prepare = preparing(engine, options, good_for(loop.tolerance))
+    loose = rough(engine, options)
+    with closing(prepare(program.associated())) as solver:
+        run = Run(
+            program,
+            solver,
+            regularised,
+            loop,
+            request.on_iterate,
+            prepare,
+            roughly=lambda own: engine.prepare(own, loose),
+            near=near,
+            time_limit=options.time_limit,
+        )
+        coupled = COUPLINGS[coupling].run(run)
+    times = Times(build_time, np.nan)
+    claimed = outcome_of(problem, program, coupled, coupling, times, regularised=regularised)
+    outcome = _proven(claimed, engine, options, request)
+    return replace(outcome, times=Times(build_time, clock.seconds, clock.compile_time))
+
+
+def _proven(outcome: Outcome, engine: Backend, options: Any, request: Request) -> Outcome:
+    """Prove a claim that needs a solver: LOCKED by a ray, UNSAFE by a mechanism."""
+    coupled, program = outcome.coupled, outcome.program
+    if coupled.status not in CLAIMED:
+        return outcome
+    judge = find_backend(JUDGE) if outcome.regularised else engine
+    settings = read_options(judge, {}) if outcome.regularised else options
+    status, why, ray = judged_claim(
+        coupled.status,
+        program,
+        coupled.laws or frictionless_contact(program.contact),
+        coupled.laws or associated_contact(program.contact),
+        preparing(judge, settings),
+        coupled.tolerance,
+    )
+    point = outcome.point
+    if status is Status.UNSAFE and program.homogeneous:
+        point = stability_of(
+            outcome.discretisation,
+            request.backend,
+            request.options,
+            outcome.coupling,
+            coupled.tolerance,
+            np.nan,
+        ).point
+    findings = (why,) if why else ()
+    return replace(outcome, status=status, findings=findings, ray=ray, point=point)
