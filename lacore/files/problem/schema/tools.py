@@ -150,7 +150,7 @@ class OutlineTool(_Tool):
         drawn: Call | None = given.pop("outline", None)
         if drawn is None:
             return super()._shape(given, at)
-        places = drawn.places | {"rounding": (*at, "rounding")}
+        places = {**drawn.places, "rounding": (*at, "rounding")}
         return replace(drawn, arguments={**drawn.arguments, **given}, places=places)
 
 
