@@ -1,7 +1,4 @@
-"""Assemblies of rigid blocks in the plane: polygons, the joints between them, and their friction.
-
-Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
-"""
+"""Assemblies of plane rigid blocks: polygons, the joints between them, and their friction."""
 
 from __future__ import annotations
 
@@ -38,40 +35,43 @@ from lacore.meshes.curved import EdgeCurves
 from lacore.showing import placed
 
 _TOLERANCE = 1e-6  # of the mean block size
-_GAP = 1e-3  # of the shortest edge: ten times less than gaps that count as nearly touching
-_SLIVER = 1e-6  # of the size of its block: an edge below it is none
+_GAP = 1e-3  # of the shortest edge; a tenth of the gaps at which blocks nearly touch
+_SLIVER = 1e-6  # of the size of its block; shorter edges are ignored
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BlockAssembly(RigidBlocks):
     """Rigid blocks and the joints between them.
 
-    A joint is a segment that two outlines share: edges that face each other, overlap along more
-    than `tolerance`, and are at most `tolerance` apart. Each joint gets two contact points, its
-    ends. Corners that touch an edge or a corner make no joint; `Problem` refuses those that rest
-    inside an edge, or on a corner with no joint beside it.
+    A joint is a segment that two outlines share: two edges face each other, overlap along more
+    than `tolerance`, and are at most `tolerance` apart. The ends of the segment are its contact
+    points. Corners that touch an edge or a corner make no joint. `Problem` rejects corners that
+    rest inside an edge, and corners that meet where no joints keep their blocks apart.
 
     Attributes:
-        blocks: polygons by name, vertices (k, 2) in m, in either sense, convex or not; a sequence
-            is named "0", "1", ... Kept counterclockwise.
-        friction: law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
-        joint_friction: other laws for single pairs ``(name, name)``, in either order.
-        tolerance: m; if None 1e-6 of the mean block size (root of the area), or 1e-3 of the
-            shortest edge where that is less: it swallows no gap that edges could show.
-        names: (B,). `area`: (B,), m^2. `centroid`: (2, B), m.
-        radius: largest distance of a vertex from the centroid, (B,), m: turns rates of rotation
-            into velocities.
-        size: diagonal of the bounding box of all, m.
-        edges: edges of all outlines, with block numbers.
-        joints: see `Joints`; the master is the block that comes first.
-        joint_terms: coefficient, limit, dilatancy and tension of their laws, (4, J).
-        meetings: corners that meet without a joint that keeps them apart, see `Meetings`.
+        blocks: Polygons by name, with vertices (k, 2) in m in either sense, convex or not. Those of
+            a sequence are named "0", "1", ... They are stored counterclockwise.
+        friction: Law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
+        joint_friction: Other laws for single pairs ``(name, name)``, in either order.
+        tolerance: Distance up to which outlines touch, m. The default is 1e-6 of the mean block
+            size (root of the area), or 1e-3 of the shortest edge if that is less.
+        names: Of the blocks, (B,).
+        area: Of the blocks, (B,), m^2.
+        centroid: Of the blocks, (2, B), m.
+        radius: Largest distance of a vertex from the centroid, (B,), m, which scales rates of
+            rotation to velocities.
+        size: Diagonal of the bounding box, m.
+        edges: Edges of all outlines, with block numbers.
+        joints: See `Joints`; the master is the block that comes first.
+        joint_terms: Coefficient, limit, dilatancy and tension of the laws of joints, (4, J).
+        meetings: Corners that meet where joints alone do not keep them apart, see `Meetings`.
 
     Raises:
-        InputError: no block, polygons with fewer than 3 vertices, not finite, without area, that
-            cross themselves; blocks that overlap deeper than `tolerance`, or nearly touch (a gap
-            above `tolerance` and below 1 % of the shorter edge); friction below 0 or NaN; a pair
-            of `joint_friction` given twice, unknown, or without joint. It names the blocks.
+        InputError: There is no block; a polygon has fewer than 3 vertices, coordinates that are not
+            finite, no area, or crosses itself; blocks overlap deeper than `tolerance`, or nearly
+            touch (a gap above `tolerance` and below 1 % of the shorter edge); friction is negative
+            or NaN; a pair of `joint_friction` is given twice, is unknown, or shares no joint. The
+            message names the blocks.
 
     Example:
         >>> outlines = {

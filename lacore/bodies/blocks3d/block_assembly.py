@@ -1,7 +1,4 @@
-"""Assemblies of rigid blocks in space: polyhedra, the joints between them, and their friction.
-
-Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
-"""
+"""Three-dimensional assemblies of rigid blocks: polyhedra, their joints and their friction."""
 
 from __future__ import annotations
 
@@ -41,30 +38,36 @@ _TOLERANCE = 1e-6  # of the mean block size
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BlockAssembly3D(RigidBlocks):
-    """Rigid blocks in space and the joints between them (T70, T71).
+    """Three-dimensional rigid blocks and the joints between them (T70, T71).
 
-    A joint is a plane polygon that faces of two blocks share: they face each other, overlap with an
-    area, and are at most `tolerance` apart. Its contact points are the corners of the convex hull
-    of each piece, each with the same share of its area. Edges and corners that touch make no joint.
+    A joint is a plane polygon that faces of two blocks share: the faces look at each other, overlap
+    with an area, and are at most `tolerance` apart. The contact points of a joint are the corners
+    of the convex hull of each of its pieces, with equal shares of the area. Edges and corners that
+    touch make no joint.
 
     Attributes:
-        blocks: `Polyhedron` by name; a sequence is named "0", "1", ...
-        friction: law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
-        joint_friction: other laws for single pairs ``(name, name)``, in either order.
-        tolerance: m; if None 1e-6 of the mean block size (cubic root of the volume).
-        crushing: largest pressure in all joints, Pa, or `Crushing`; None: there is none (T95).
-        names: (B,). `volume`: (B,), m^3. `centroid`: (3, B), m.
-        radius: largest distance of a vertex from the centroid, (B,), m: turns rates of rotation
-            into velocities.
-        size: diagonal of the bounding box of all, m.
-        faces: plane faces of all blocks. `face_centroid`: theirs, (3, F), m.
-        joints: see `Joints3D`; the master is the block that comes first.
-        joint_terms: coefficient, limit, dilatancy and tension of their laws, (4, J), see `Joints`.
+        blocks: `Polyhedron` by name. Those of a sequence are named "0", "1", ...
+        friction: Law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
+        joint_friction: Other laws for single pairs ``(name, name)``, in either order.
+        tolerance: Distance up to which faces touch, m. The default is 1e-6 of the mean block size
+            (cubic root of the volume).
+        crushing: Compressive strength of all joints, Pa, or `Crushing`; None: unlimited (T95).
+        names: Of the blocks, (B,).
+        volume: Of the blocks, (B,), m^3.
+        centroid: Of the blocks, (3, B), m.
+        radius: Largest distance of a vertex from the centroid, (B,), m, which scales rates of
+            rotation to velocities.
+        size: Diagonal of the bounding box, m.
+        faces: Plane faces of all blocks.
+        face_centroid: Of the faces, (3, F), m.
+        joints: See `Joints3D`; the master is the block that comes first.
+        joint_terms: Coefficient, limit, dilatancy and tension of the laws of joints, (4, J).
 
     Raises:
-        InputError: no block, what is no polyhedron; blocks that overlap, or nearly touch (a gap
-            above `tolerance` and below 1 % of the width of a face); friction below 0 or NaN; a pair
-            of `joint_friction` given twice, unknown, or without joint. It names the blocks.
+        InputError: There is no block, or one that is no `Polyhedron`; blocks overlap, or nearly
+            touch (a gap above `tolerance` and below 1 % of the width of a face); friction is
+            negative or NaN; a pair of `joint_friction` is given twice, is unknown, or shares no
+            joint. The message names the blocks.
 
     Example:
         >>> cubes = la.masonry3d.wall([[1, 1]], friction=0.6, base=False).blocks
