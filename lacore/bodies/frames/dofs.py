@@ -17,9 +17,8 @@ import pandas as pd
 from scipy.sparse import csr_matrix
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.held import COMPONENTS
-from lacore.bodies.frames.loaded import line_load, nodal
+from lacore.bodies.frames.frame import HELD_COMPONENTS, Frame
+from lacore.bodies.frames.loads import line_load, nodal
 from lacore.bodies.frames.modes import WHOLE, Modes, modes_of, rate_rows
 from lacore.conditions.loads import Fix, Load
 from lacore.numerics.null_space import null_space
@@ -271,7 +270,7 @@ class FrameDofs(Compact):
         held = np.zeros((len(self.body.names), 3), dtype=bool)
         for support in supports:
             nodes = self.body.find(support.where, "Fix.where")
-            held[nodes] |= np.array(COMPONENTS[support.components])
+            held[nodes] |= np.array(HELD_COMPONENTS[support.components])
         return held
 
     def _kept(self) -> Floats:

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.frames.held import COMPONENTS
-from lacore.bodies.frames.loaded import nodal
+from lacore.bodies.frames.loads import nodal
 from lacore.bodies.frames.members import (
     Members,
     Pieces,
@@ -37,6 +36,14 @@ from lacore.reporting.text import Term, text
 from lacore.showing import Facts, Shown, counted, listed
 
 _TOLERANCE = 1e-6  # of the size: coordinates written with seven digits agree to this
+HELD_COMPONENTS = {
+    "x": (True, False, False),
+    "y": (False, True, False),
+    "xy": (True, True, False),
+    "rotation": (False, False, True),
+    "clamped": (True, True, True),
+}
+"""Which of u_x, u_y and the rotation of nodes a support holds, by its components."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -216,7 +223,7 @@ class Frame(Shown):
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""
         self.find(support.where, f"{field}.where")
-        require_known(f"{field}.components", support.components, COMPONENTS)
+        require_known(f"{field}.components", support.components, HELD_COMPONENTS)
 
     def node_at(self, at: Sequence[float]) -> int | None:
         """Number of the node at a place, None where there is none."""

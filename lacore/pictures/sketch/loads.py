@@ -18,7 +18,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.body_forces import elements_of
 from lacore.bodies.continuum.water import in_pores
 from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.loaded import line_load
+from lacore.bodies.frames.loads import line_load
 from lacore.bodies.touching import Edges
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.footings import RigidFooting
