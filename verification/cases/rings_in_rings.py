@@ -18,16 +18,17 @@ limit pressure it is not determined: both tubes carry different pressures at the
 there, and the force that would pull one tube out of the other, are not determined either.
 """
 
+from dataclasses import replace
+
 import lacore as la
 from verification.case import Band, Case, First, Reference, Variant
-from verification.case.following import Following, last_load
+from verification.case.following import Following
 from verification.cases import hardening_cylinder
-from verification.cases.hardening_cylinder import HEIGHT, INNER, OUTER, TRAVEL
+from verification.cases.hardening_cylinder import HEIGHT, INNER, OUTER
 from verification.cases.shared.exact_paths import cylinder, pressure
 from verification.cases.shared.hardening_laws import LAWS
 
 JOINT = 1.5  # m, the radius at which the two tubes touch
-_VOLUME = 0.02  # of a step of leapfrog, as in the case of one tube
 
 
 def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> "la.Problem":
@@ -52,27 +53,14 @@ def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> "
 
 
 def path(law: str, rows: int, slave: str, steps: int, scheme: str) -> Following:
-    """The bore moves outwards by half of its radius."""
-    whole = cylinder(LAWS[law], INNER, OUTER)
-    return Following(
-        TRAVEL,
-        steps,
-        scheme,
-        la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0)),
-        exact=lambda travel: pressure(whole, INNER + travel),
-        volume=_VOLUME,
-    )
+    """The bore of the inner tube moves as that of one thick tube."""
+    bore = la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0))
+    return replace(hardening_cylinder.path(law, steps, scheme), control=bore, ladder=())
 
 
 def reference(law: str, rows: int, slave: str, steps: int, scheme: str) -> Reference:
     """The pressure on one thick tube at the last load."""
-    at = last_load(TRAVEL, steps, scheme)
-    return Reference(
-        pressure(cylinder(LAWS[law], INNER, OUTER), INNER + at),
-        "p = (2/sqrt3) int_a^b sigma_Y dr/r, eb = (2/sqrt3) ln(r/R)",
-        "Hill, The Mathematical Theory of Plasticity; by hand (T33)",
-        "exact",
-    )
+    return hardening_cylinder.reference(law, steps, scheme)
 
 
 def band(elements: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> Band:

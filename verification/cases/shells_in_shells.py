@@ -19,13 +19,13 @@ different parabolas through the same circle, up to 2e-5 m apart. Without frictio
 change its shape at nearly the same pressure (T32); friction holds the shells together.
 """
 
+from dataclasses import replace
 from math import pi
 
 import lacore as la
 from verification.case import SOLVER, Band, Case, First, Reference, Variant
-from verification.case.following import Following, last_load
-from verification.cases import thick_sphere
-from verification.cases.hardening_sphere import TRAVEL
+from verification.case.following import Following
+from verification.cases import hardening_sphere, thick_sphere
 from verification.cases.shared.cavities import INNER, OUTER, on_rays
 from verification.cases.shared.exact_paths import pressure, sphere
 from verification.cases.shared.hardening_laws import LAWS
@@ -58,29 +58,20 @@ def build(
 
 
 def path(law: str, outer: int, slave: str, steps: int, scheme: str) -> Following:
-    """The equator of the bore moves outwards by half of its radius."""
-    whole = sphere(LAWS[law], INNER, OUTER)
+    """The bore of the inner shell moves as that of one thick sphere."""
     sides = [("inner", "right"), ("outer", "left")]
     one, other = sides if slave == "inner" else sides[::-1]
-    return Following(
-        TRAVEL,
-        steps,
-        scheme,
-        la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0)),
-        exact=lambda travel: pressure(whole, INNER + travel),
+    return replace(
+        hardening_sphere.path(law, steps, scheme),
+        control=la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0)),
         approaching=[la.Interface(one, other, _FRICTION)],
+        ladder=(),
     )
 
 
 def reference(law: str, outer: int, slave: str, steps: int, scheme: str) -> Reference:
     """The pressure on one thick sphere at the last load."""
-    at = last_load(TRAVEL, steps, scheme)
-    return Reference(
-        pressure(sphere(LAWS[law], INNER, OUTER), INNER + at),
-        "p = 2 int_a^b sigma_Y dr/r, eb = 2 ln(r/R)",
-        "Hill, The Mathematical Theory of Plasticity; by hand (T33)",
-        "exact",
-    )
+    return hardening_sphere.reference(law, steps, scheme)
 
 
 def band(elements: int, law: str, outer: int, slave: str, steps: int, scheme: str) -> Band:
