@@ -1,18 +1,21 @@
 """What random paths are judged by: closed forms, friction, volume and the power of tools."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 import lacore as la
+from lacore.paths.stage import staged
 from verification.campaigns.shrinking import candidates
-from verification.fuzz.checks.path_copies import same_load
+from verification.fuzz.checks.path_copies import moved_back, same_load
 from verification.fuzz.checks.path_facts import check_facts, exact_force
 from verification.fuzz.checks.verdict import first
 from verification.fuzz.drawn.classes import draw
 from verification.fuzz.drawn.copies import COPIES, copied
 from verification.fuzz.drawn.paths import follow
+from verification.fuzz.drawn.recipe import build
 from verification.fuzz.examine import examine
 
 PAIRS, TOOLS = "pairs-on-paths", "tools-on-paths"
@@ -100,6 +103,22 @@ def test_a_copy_with_other_friction_is_found():
     found = first(same_load("mirrored", path_with("sled"), follow(recipe)))
     assert found is not None
     assert found.check == "mirrored, load on the same bodies"
+
+
+def test_strains_of_a_mirrored_copy_are_those_of_the_same_places():
+    """Quadrilaterals begin at another corner when they are mirrored."""
+    recipe = copied(recipe_with("platens"))
+    recipe["bodies"]["block"]["space"] = "q2"
+    recipe["bodies"]["block"]["mesh"].update(nx=2, ny=2, cut="quads")
+    copy = COPIES["mirrored"](recipe, np.random.default_rng(1))
+    known, mirrored = (staged(build(own), ()) for own in (recipe, copy))
+    x, of_copy = (
+        np.asarray(own.dofs_at(own.start)["block"].basis.global_coordinates())[0]
+        for own in (known, mirrored)
+    )
+    start = mirrored.start
+    strained = replace(start, strain={**start.strain, "block": -of_copy})
+    assert moved_back(strained, mirrored, known).strain["block"] == pytest.approx(x)
 
 
 def test_a_turned_path_has_turned_tools():
