@@ -16,7 +16,9 @@ the velocity jumps. Below the tip the section of symmetry is cut over the travel
 sides of the cut are pressed together. The material separates at the tip, as it does in the exact
 solution, and the vertex at the tip moves along the face. The face of the wedge is a plane here,
 since the other half of the body has the other face. New meshes keep the area: the edge at the end
-of the contact is divided into a part of the face and a straight edge.
+of the contact is divided into a part of the face and a straight edge. Since the velocity jumps at
+the foot of the lip, each step leaves a wall there, to which the flow would be drawn in the next
+steps; a new mesh straightens the last part of the lip.
 """
 
 from math import cos, nan, radians, sin

@@ -86,16 +86,31 @@ class Fan:
         top[-1] = WIDTH, 0.0
         places += near_lip[:, None] * (top - places[:, -1])[:, None]
         mesh = MeshTri2.from_mesh(_crossed(end, places))
-        edges = _edges(mesh, np.concatenate([[0], len(line) * np.arange(1, len(rows) + 1)]))
-        chords = np.diff(np.concatenate([[end], top]), axis=0)
-        bulges = middles(lip, np.concatenate([[0.0], at])) - (top - chords / 2)
-        nodes = _bulged(mesh, edges, _limited(bulges, chords))
-        beside = len(_SHARES) + 2  # edges of the lip and at its foot
-        lengths = np.linalg.norm(chords[:beside], axis=1)
-        lift = 1.5 * (area - _area(MeshTri2(nodes, mesh.t))) / lengths.sum()
-        outwards = np.stack([-chords[:beside, 1], chords[:beside, 0]], axis=1) / lengths[:, None]
-        nodes = _bulged(MeshTri2(nodes, mesh.t), edges[:beside], lift * outwards)
-        return _named(MeshTri2(nodes, mesh.t))
+        lip_edges = _edges(mesh, np.concatenate([[0], len(line) * np.arange(1, len(rows) + 1)]))
+        return _named(_with_lip(mesh, lip_edges, lip, np.concatenate([[0.0], at]), area))
+
+
+def _with_lip(mesh: Mesh, edges: Ints, lip: shapely.LineString, at: Floats, area: float) -> Mesh:
+    """The mesh with curved edges of the lip, and with the given area.
+
+    Args:
+        mesh: with straight edges.
+        edges: of the surface from the end of the contact on.
+        lip: that surface.
+        at: distances of the vertices along it.
+        area: of the body, m^2: edges up to the foot of the lip make up for what is missing.
+    """
+    ends = mesh.p[:, mesh.facets[:, edges]]
+    chords = (ends[:, 1] - ends[:, 0]).T
+    lengths = np.linalg.norm(chords, axis=1)
+    bulges = middles(lip, at) - ends.mean(axis=1).T
+    heights = np.linalg.norm(bulges, axis=1).clip(1e-300)
+    bulges *= np.minimum(1.0, _BULGE * lengths / heights)[:, None]
+    mesh = _bulged(mesh, edges, bulges)
+    beside = slice(len(_SHARES) + 2)
+    lift = 1.5 * (area - _area(mesh)) / lengths[beside].sum()
+    outwards = np.stack([-chords[:, 1], chords[:, 0]], axis=1) / lengths[:, None]
+    return _bulged(mesh, edges[beside], lift * outwards[beside])
 
 
 def _contact_end(points: Floats, half_angle: float) -> tuple[Floats, shapely.LineString]:
@@ -206,17 +221,11 @@ def _edges(mesh: Mesh, chain: Ints) -> Ints:
     return np.array([known[one, two] for one, two in pairwise(chain.tolist())])
 
 
-def _limited(bulges: Floats, chords: Floats) -> Floats:
-    """Bulges that leave the edges nearly straight."""
-    heights, lengths = (np.linalg.norm(own, axis=1) for own in (bulges, chords))
-    return np.asarray(bulges * np.minimum(1.0, _BULGE * lengths / heights.clip(1e-300))[:, None])
-
-
-def _bulged(mesh: Mesh, edges: Ints, by: Floats) -> Floats:
-    """Nodes after shifts of the midside nodes of edges, shape (2, nodes)."""
+def _bulged(mesh: Mesh, edges: Ints, by: Floats) -> Mesh:
+    """The mesh after shifts of the midside nodes of edges, m, shape (edges, 2)."""
     nodes = mesh.doflocs.copy()
     nodes[:, mesh.nvertices + edges] += by.T
-    return np.asarray(nodes)
+    return MeshTri2(nodes, mesh.t)
 
 
 def _area(mesh: Mesh) -> float:
