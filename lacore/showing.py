@@ -10,6 +10,8 @@ from io import BytesIO
 from reprlib import Repr
 from typing import TYPE_CHECKING, Any
 
+from lacore.reporting.text import Quantity, Text, join, text
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -134,11 +136,11 @@ def placed(place: Iterable[float]) -> str:
     return f"({', '.join(f'{value:.6g}' for value in place)})"
 
 
-def spanned(low: Iterable[float], high: Iterable[float]) -> str:
-    """``x = 0 to 5, y = -2 to 0`` of a box by two of its corners."""
-    return ", ".join(
-        f"{axis} = {a:.6g} to {b:.6g}" for axis, a, b in zip("xyz", low, high, strict=False)
-    )
+def spanned(low: Iterable[float], high: Iterable[float]) -> Text:
+    """``x = 0 to 5 m, y = -2 to 0 m`` of a box by two of its corners."""
+    sides = zip("xyz", low, high, strict=False)
+    spans = ((axis, Quantity((a, b), "m", ".6g", "{} to {}")) for axis, a, b in sides)
+    return join(", ", (text("{} = {}", *own) for own in spans))
 
 
 def sized(elements: int, unknowns: int, points: int) -> str:

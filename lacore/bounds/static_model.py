@@ -49,8 +49,8 @@ from lacore.problem.wet import acting
 from lacore.program import DissipationGroup, KinematicProgram, Scales
 from lacore.reduction import held_shut, kept_points, reduced
 from lacore.reporting import terms
-from lacore.reporting.text import text
-from lacore.showing import Facts, Shown, counted, listed, placed, sized
+from lacore.reporting.text import Quantity, text
+from lacore.showing import Facts, Shown, counted, listed, sized
 
 
 @dataclass(frozen=True, repr=False)
@@ -288,8 +288,12 @@ def _check_left(name: str, dofs: EquilibriumDofs, groups: Sequence[DissipationGr
             raise InputError(
                 named_criterion(name, region),
                 region.criterion.label,
-                f"elements as large as that near {placed(centre)} may have no strength anywhere, by"
-                f" the steepest slope of its field ({none.size} of them)",
+                text(
+                    "elements as large as that near {} may have no strength anywhere, by the "
+                    "steepest slope of its field ({} of them)",
+                    Quantity(tuple(centre), "m", ".6g"),
+                    none.size,
+                ),
                 "give less of it if the function is less steep, or refine the mesh there",
             )
 

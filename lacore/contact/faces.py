@@ -12,7 +12,8 @@ from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
 from lacore.meshes.solid.faces import face_corners
-from lacore.showing import Compact, placed
+from lacore.reporting.text import Quantity, text
+from lacore.showing import Compact
 
 _FACING = 1e-9  # of unit normals: their round-off
 
@@ -62,8 +63,11 @@ def obstacle_faces(interface: Interface, bodies: Mapping[str, Body], field: str)
             raise InputError(
                 field,
                 interface.name,
-                f"a corner of a face at {placed(corner[:, end, worst])} is {gap[end, worst]:.3g} m"
-                " off the plane of its obstacle",
+                text(
+                    "a corner of a face at {} is {} off the plane of its obstacle",
+                    Quantity(tuple(corner[:, end, worst]), "m", ".6g"),
+                    Quantity(gap[end, worst], "m", ".3g"),
+                ),
                 "move the plane, or name the faces that lie on it",
             )
         towards = np.sum(plane.normal(corner.mean(axis=1)) * outward, axis=0)

@@ -89,7 +89,7 @@ def interface_segments(
         raise InputError(
             field,
             interface.name,
-            f"its two sides are {gap:.3g} m apart",
+            text("its two sides are {} apart", Quantity(gap, "m", ".3g")),
             "move one body so that they touch",
         )
     if not shared.first.size:
@@ -138,7 +138,11 @@ def _check_curves(
         raise InputError(
             field,
             interface.name,
-            f"its two sides are curved, and {gap[worst]:.3g} m apart at {middle[:, worst]}",
+            text(
+                "its two sides are curved, and {} apart at {}",
+                Quantity(gap[worst], "m", ".3g"),
+                Quantity(tuple(middle[:, worst]), "m", ".6g"),
+            ),
             "give both the same vertices and midside nodes there, or straight edges",
         )
 
@@ -204,7 +208,11 @@ def _faces(
         raise InputError(
             field,
             interface.name,
-            f"its node at {nodes[:, node]} is {least[node]:.3g} m from the other side",
+            text(
+                "its node at {} is {} from the other side",
+                Quantity(tuple(nodes[:, node]), "m", ".6g"),
+                Quantity(least[node], "m", ".3g"),
+            ),
             "move one body so that they touch",
         )
     cosine = np.einsum("ik,ij->kj", normal, faces.normal)

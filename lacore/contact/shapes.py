@@ -19,6 +19,7 @@ from lacore.arrays import Floats
 from lacore.contact.obstacles import Plane
 from lacore.contact.profiles import Arcs, InnerCorner, Lines, Profile, corner, no_arcs
 from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_positive
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact
 
 __all__ = ["Disc", "Outline", "Wedge", "disc", "outline", "plane", "read_outline", "wedge"]
@@ -359,8 +360,12 @@ def _require_fitting(own: Outline) -> None:
         raise InputError(
             "shapes.outline.rounding",
             (own.radii[which], own.radii[end]),
-            f"the roundings take {lines.low[which] - lines.high[which]:.3g} m more than the edge"
-            f" from {own.points[which]} to {own.points[end]} is long",
+            text(
+                "the roundings take {} more than the edge from {} to {} is long",
+                Quantity(lines.low[which] - lines.high[which], "m", ".3g"),
+                Quantity(tuple(own.points[which]), "m", ".6g"),
+                Quantity(tuple(own.points[end]), "m", ".6g"),
+            ),
             "give smaller radii",
         )
 

@@ -15,7 +15,8 @@ from lacore.meshes.curved import edge_curves
 from lacore.meshes.polygonal import labelled
 from lacore.meshes.solid.faces import selected_faces
 from lacore.meshes.solid.roundness import outline_of
-from lacore.showing import placed, spanned
+from lacore.reporting.text import Quantity, text
+from lacore.showing import spanned
 
 _INNER = 1 - 1e-6  # of the way from the middle of an element to its corners
 
@@ -99,7 +100,10 @@ def _elements(mesh: Any, regions: Mapping[str, Places]) -> dict[str, Ints]:
         inside = inside.reshape(samples.shape[1:])
         cut = np.flatnonzero(inside.any(axis=0) & ~inside.all(axis=0))
         if cut.size:
-            why = f"its line runs through the element around {placed(middle[:, 0, cut[0]])}"
+            why = text(
+                "its line runs through the element around {}",
+                Quantity(tuple(middle[:, 0, cut[0]]), "m", ".6g"),
+            )
             raise InputError(field, None, why, "let edges of the mesh follow it")
         if not inside.any():
             raise InputError(field, None, "no element is there", _extent(mesh))
@@ -108,4 +112,4 @@ def _elements(mesh: Any, regions: Mapping[str, Places]) -> dict[str, Ints]:
 
 
 def _extent(mesh: Any) -> str:
-    return f"the mesh lies in {spanned(mesh.p.min(axis=1), mesh.p.max(axis=1))}"
+    return text("the mesh lies in {}", spanned(mesh.p.min(axis=1), mesh.p.max(axis=1)))

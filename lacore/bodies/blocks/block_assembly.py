@@ -32,7 +32,7 @@ from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, require_positive
 from lacore.materials.friction import Friction
 from lacore.meshes.curved import EdgeCurves
-from lacore.showing import placed
+from lacore.reporting.text import Quantity, text
 
 _TOLERANCE = 1e-6  # of the mean block size
 _GAP = 1e-3  # of the shortest edge; a tenth of the gaps at which blocks nearly touch
@@ -231,9 +231,12 @@ class BlockAssembly(RigidBlocks):
             raise InputError(
                 field,
                 None,
-                f"it ends inside an edge of block {self.names[self.edges.block[first]]!r},"
-                f" from {placed(self.edges.start[:, first])}"
-                f" to {placed(self.edges.end[:, first])}",
+                text(
+                    "it ends inside an edge of block {}, from {} to {}",
+                    repr(self.names[self.edges.block[first]]),
+                    Quantity(tuple(self.edges.start[:, first]), "m", ".6g"),
+                    Quantity(tuple(self.edges.end[:, first]), "m", ".6g"),
+                ),
                 "put a vertex of the block where it ends",
             )
         return chosen

@@ -11,7 +11,7 @@ from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix
 from lacore.errors import InputError
-from lacore.showing import placed
+from lacore.reporting.text import Quantity, text
 
 if TYPE_CHECKING:
     from lacore.bodies.blocks.block_assembly import BlockAssembly
@@ -65,8 +65,12 @@ def _check_unjointed(body: RigidBlocks, touched: Touched) -> None:
         raise InputError(
             touched.field,
             touched.name,
-            f"the {body.facet} of block {body.names[block]!r} about {placed(centroid[:, 0])} m has"
-            " a joint with another block",
+            text(
+                "the {} of block {} about {} has a joint with another block",
+                body.facet,
+                repr(body.names[block]),
+                Quantity(tuple(centroid[:, 0]), "m", ".6g"),
+            ),
             f"select the {body.facet}s that touch the obstacle by a function of coordinates",
         )
 
@@ -102,7 +106,12 @@ def _check_meetings(body: RigidBlocks, field: str, supports: Sequence[Fix]) -> N
         raise InputError(
             field,
             (one, other),
-            f"these blocks touch at {placed(places[:, own[0]])} m with {body.rim} only, which makes"
-            f" no joint, and nothing else keeps them apart there (such places: {own.size})",
+            text(
+                "these blocks touch at {} with {} only, which makes no joint, and "
+                "nothing else keeps them apart there (such places: {})",
+                Quantity(tuple(places[:, own[0]]), "m", ".6g"),
+                body.rim,
+                own.size,
+            ),
             f"cut {body.rim} off, so that {body.facet}s touch there, or move the blocks apart",
         )

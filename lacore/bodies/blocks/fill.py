@@ -10,6 +10,7 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.conditions.loads import PointForce
 from lacore.errors import InputError, is_number, require_positive, require_range, typed
+from lacore.reporting.text import Quantity, text
 
 _UPWARDS = 1e-9  # of a unit normal: above round-off of a vertical face
 
@@ -67,7 +68,7 @@ def fill(
     below = np.minimum(start[1], end[1]) < level
     if not below.any():
         lowest = np.minimum(start[1], end[1]).min(initial=np.inf)
-        fix = f"the lowest edge that it could cover is at y = {lowest:.6g} m"
+        fix = text("the lowest edge that it could cover is at y = {}", Quantity(lowest, "m", ".6g"))
         raise InputError("level", level, "the fill covers no edge", fix)
     edges = edges[below]
     start, end = _cut(start[:, below], end[:, below], level)

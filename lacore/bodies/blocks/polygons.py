@@ -11,6 +11,7 @@ from lacore.arrays import Floats, Geometries, Ints
 from lacore.bodies.blocks.overlap import overlap_told
 from lacore.bodies.touching import NEAR, Edges, near_misses
 from lacore.errors import InputError, require_range
+from lacore.reporting.text import Quantity, text
 
 Polygons = Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike]
 """Corners of each block, shape (n, 2), m, by its name, or numbered from 1."""
@@ -132,7 +133,7 @@ def require_apart(names: Sequence[str], polygons: Geometries, tolerance: float, 
         raise InputError(
             field,
             _named(names, thin),
-            f"blocks thinner than the tolerance {tolerance:.3g} m",
+            text("blocks thinner than the tolerance {}", Quantity(tolerance, "m", ".3g")),
             "remove them, or give a smaller tolerance",
         )
     i, j = shapely.STRtree(core).query(core, predicate="intersects")
@@ -173,10 +174,16 @@ def require_no_slits(
         raise InputError(
             field,
             (names[a], names[b]),
-            f"these blocks nearly touch: a gap of {slits.gap[0]:.3g} m, less than {NEAR:.0%} of"
-            f" the edge (such gaps: {slits.first.size})",
-            f"close the gap, give a tolerance above {slits.gap.max():.3g} m, or widen it if it is"
-            " meant",
+            text(
+                "these blocks nearly touch: a gap of {}, less than {} of the edge (such gaps: {})",
+                Quantity(slits.gap[0], "m", ".3g"),
+                f"{NEAR:.0%}",
+                slits.first.size,
+            ),
+            text(
+                "close the gap, give a tolerance above {}, or widen it if it is meant",
+                Quantity(slits.gap.max(), "m", ".3g"),
+            ),
         )
 
 

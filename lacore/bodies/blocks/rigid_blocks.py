@@ -18,7 +18,7 @@ from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known
 from lacore.materials.friction import Friction
-from lacore.reporting.text import Term, text
+from lacore.reporting.text import Quantity, Term, text
 from lacore.showing import Compact, Facts, Shown, counted, listed, short, spanned
 
 _DIGITS = 16 * np.finfo(float).eps  # relative accuracy of sums and products of coordinates
@@ -235,7 +235,9 @@ class RigidBlocks(Shown):
             fix = text("give a name, names, or {}", predicate)
             raise InputError(field, where, "no part of the blocks", fix)
         if chosen.size == 0:
-            fix = f"select at least one {self.facet}: the blocks lie in {spanned(*self.box)}"
+            fix = text(
+                "select at least one {}: the blocks lie in {}", self.facet, spanned(*self.box)
+            )
             raise InputError(field, None, "an empty outline", fix)
         return chosen
 
@@ -251,7 +253,7 @@ def require_resolved(tolerance: float, coordinates: Floats, field: str) -> float
         raise InputError(
             field,
             tolerance,
-            f"coordinates as large as {farthest:.3g} m are not that precise",
+            text("coordinates as large as {} are not that precise", Quantity(farthest, "m", ".3g")),
             "put the origin near the blocks, or give a larger tolerance",
         )
     return float(tolerance)

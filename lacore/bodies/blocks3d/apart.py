@@ -14,7 +14,7 @@ from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.bodies.blocks3d.ranges import spread
 from lacore.bodies.blocks3d.surface import axes_of
 from lacore.errors import InputError
-from lacore.showing import placed
+from lacore.reporting.text import Quantity, text
 
 _NEAR = 3.0  # tolerances: places may be off a joint by its gap and by the least overlap
 
@@ -32,8 +32,12 @@ def require_apart(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: 
         raise InputError(
             field,
             (names[first[worst]], names[second[worst]]),
-            f"these blocks overlap at {placed(centre[:, worst])} m, {2 * radius[worst]:.3g} m deep"
-            f" (overlapping pairs: {deep.size})",
+            text(
+                "these blocks overlap at {}, {} deep (overlapping pairs: {})",
+                Quantity(tuple(centre[:, worst]), "m", ".6g"),
+                Quantity(2 * radius[worst], "m", ".3g"),
+                deep.size,
+            ),
             "move them apart",
         )
 

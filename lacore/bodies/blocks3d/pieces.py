@@ -11,7 +11,8 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks3d.ranges import spread
 from lacore.errors import InputError
 from lacore.numerics.linear_program import least
-from lacore.showing import Compact, placed
+from lacore.reporting.text import Quantity, text
+from lacore.showing import Compact
 
 _SAME = 1e-9  # of the size of a block: corners that near are one
 _PARALLEL = 1e-9  # the product of three normals, of planes that meet in a point
@@ -93,7 +94,10 @@ def convex_pieces(
         raise InputError(
             field,
             None,
-            f"the surface crosses itself near {placed(middle[:, wrong[0]])} m",
+            text(
+                "the surface crosses itself near {}",
+                Quantity(tuple(middle[:, wrong[0]]), "m", ".6g"),
+            ),
             "fix its faces, or cut the block into several",
         )
     return tuple(cell for cell, turn in zip(cells, turns, strict=True) if turn == 1)

@@ -12,7 +12,7 @@ from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.bodies.blocks3d.surface import axes_of
 from lacore.bodies.touching import NEAR
 from lacore.errors import InputError
-from lacore.showing import placed
+from lacore.reporting.text import Quantity, text
 
 
 def require_no_slits(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: str) -> None:
@@ -60,10 +60,18 @@ def require_no_slits(polyhedra: Mapping[str, Polyhedron], tolerance: float, fiel
         raise InputError(
             field,
             (names[faces.block[first[worst]]], names[faces.block[second[worst]]]),
-            f"these blocks nearly touch at {placed(middle[:, 0])} m: a gap of"
-            f" {widest[slit[0]]:.3g} m, less than {NEAR:.0%} of the face (such gaps: {slit.size})",
-            f"close the gap, give a tolerance above {widest[slit].max():.3g} m, or widen it if it"
-            " is meant",
+            text(
+                "these blocks nearly touch at {}: a gap of {}, less than {} of the face "
+                "(such gaps: {})",
+                Quantity(tuple(middle[:, 0]), "m", ".6g"),
+                Quantity(widest[slit[0]], "m", ".3g"),
+                f"{NEAR:.0%}",
+                slit.size,
+            ),
+            text(
+                "close the gap, give a tolerance above {}, or widen it if it is meant",
+                Quantity(widest[slit].max(), "m", ".3g"),
+            ),
         )
 
 

@@ -11,7 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.errors import InputError
-from lacore.showing import Compact, placed
+from lacore.reporting.text import Quantity, text
+from lacore.showing import Compact
 
 _DEGENERATE = 1e-10  # area over squared perimeter; below it a polygon has no normal
 
@@ -69,8 +70,16 @@ def closed_surface(points: Floats, faces: Sequence[Sequence[int]], field: str) -
         raise InputError(
             field,
             None,
-            f"the edge from {placed(points[a])} to {placed(points[b])} m (vertices {a}, {b}; face"
-            f" {edges[2][worst]}) {why} (such edges: {np.count_nonzero(met != 2)})",
+            text(
+                "the edge from {} to {} (vertices {}, {}; face {}) {} (such edges: {})",
+                Quantity(tuple(points[a]), "m", ".6g"),
+                Quantity(tuple(points[b]), "m", ".6g"),
+                a,
+                b,
+                edges[2][worst],
+                why,
+                np.count_nonzero(met != 2),
+            ),
             fix,
         )
     twin = np.empty_like(flat)
@@ -211,7 +220,11 @@ def require_polygons(points: Floats, edges: HalfEdges, tolerance: float, field: 
         raise InputError(
             f"{field}[{thin[0]}]",
             None,
-            f"a face without area, at {placed(place)} m (such faces: {thin.size})",
+            text(
+                "a face without area, at {} (such faces: {})",
+                Quantity(tuple(place), "m", ".6g"),
+                thin.size,
+            ),
             "remove it, and let its neighbours share their vertices",
         )
     normal = vector / area[:, None]
@@ -224,9 +237,15 @@ def require_polygons(points: Floats, edges: HalfEdges, tolerance: float, field: 
         raise InputError(
             f"{field}[{face}]",
             None,
-            f"a warped face: vertex {edges.start[warped]} at {placed(points[edges.start[warped]])}"
-            f" m is {off[warped]:.3g} m off its plane, more than the tolerance {tolerance:.3g} m"
-            f" (warped faces: {np.unique(edges.face[off > tolerance]).size})",
+            text(
+                "a warped face: vertex {} at {} is {} off its plane, more than the "
+                "tolerance {} (warped faces: {})",
+                edges.start[warped],
+                Quantity(tuple(points[edges.start[warped]]), "m", ".6g"),
+                Quantity(off[warped], "m", ".3g"),
+                Quantity(tolerance, "m", ".3g"),
+                np.unique(edges.face[off > tolerance]).size,
+            ),
             "move the vertex into the plane, cut the face into plane ones as its neighbour block"
             " does, or give a larger tolerance",
         )
@@ -237,8 +256,11 @@ def require_polygons(points: Floats, edges: HalfEdges, tolerance: float, field: 
         raise InputError(
             f"{field}[{crossed[0]}]",
             None,
-            f"a face whose outline crosses or touches itself, at"
-            f" {placed(middle[crossed[0]])} m (such faces: {crossed.size})",
+            text(
+                "a face whose outline crosses or touches itself, at {} (such faces: {})",
+                Quantity(tuple(middle[crossed[0]]), "m", ".6g"),
+                crossed.size,
+            ),
             "give its vertices in order around it",
         )
 

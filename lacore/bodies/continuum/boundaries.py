@@ -12,7 +12,8 @@ from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, is_plane_vector, require_place, suggest_all
 from lacore.meshes.curved import edge_curves, vertices
 from lacore.meshes.solid.faces import selected_faces
-from lacore.showing import placed, spanned
+from lacore.reporting.text import Quantity, text
+from lacore.showing import spanned
 
 if TYPE_CHECKING:
     from lacore.bodies.continuum.body import Body
@@ -57,7 +58,7 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
         )
     if facets.size == 0:
         shown = where if isinstance(where, str) else None
-        fix = f"select at least one boundary facet: the mesh lies in {spanned(*body.box)}"
+        fix = text("select at least one boundary facet: the mesh lies in {}", spanned(*body.box))
         raise InputError(field, shown, "an empty boundary", fix)
     return facets
 
@@ -75,9 +76,12 @@ def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Int
         raise InputError(
             field,
             None,
-            f"it ends inside the element edge from {placed(start[:, first])}"
-            f" to {placed(end[:, first])}"
-            " (at a midside node or elsewhere between vertices)",
+            text(
+                "it ends inside the element edge from {} to {} (at a midside node or "
+                "elsewhere between vertices)",
+                Quantity(tuple(start[:, first]), "m", ".6g"),
+                Quantity(tuple(end[:, first]), "m", ".6g"),
+            ),
             "put a vertex of the mesh where it ends",
         )
     return np.asarray(boundary[whole], dtype=np.int64)

@@ -20,6 +20,7 @@ from lacore.errors import (
     require_range,
     suggest,
 )
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact
 
 Members = Mapping[str, tuple[str, str]] | Sequence[tuple[str, str]]
@@ -298,7 +299,11 @@ def require_joined(
         raise InputError(
             "Frame.nodes",
             nodes[unused[0]],
-            f"no member reaches this node; {members[nearest]!r} passes it in {gap[nearest]:.3g} m",
+            text(
+                "no member reaches this node; {} passes it in {}",
+                repr(members[nearest]),
+                Quantity(gap[nearest], "m", ".3g"),
+            ),
             "remove it, or move it onto a member",
         )
     links = coo_matrix(

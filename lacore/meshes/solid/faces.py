@@ -8,7 +8,7 @@ from skfem import MeshTet
 from lacore.arrays import Bools, Floats, Ints
 from lacore.conditions.where import asked
 from lacore.errors import InputError
-from lacore.showing import placed
+from lacore.reporting.text import Quantity, text
 
 _LATTICE = np.array([(i, j, 8 - i - j) for i in range(9) for j in range(9 - i)]) / 8
 # Barycentric coordinates at which a predicate is asked: inside of a face, so that `<` and `<=` with
@@ -40,7 +40,10 @@ def selected_faces(mesh: MeshTet, where: Callable[[Floats], Bools], field: str) 
         raise InputError(
             field,
             None,
-            f"it ends inside the face around {placed(corner[:, :, cut[0]].mean(axis=1))}",
+            text(
+                "it ends inside the face around {}",
+                Quantity(tuple(corner[:, :, cut[0]].mean(axis=1)), "m", ".6g"),
+            ),
             "let faces of the mesh end where it ends",
         )
     return np.asarray(boundary[whole])

@@ -200,7 +200,11 @@ def pair_of(
         raise InputError(
             field,
             interface.name,
-            f"its two sides overlap by {-gaps.min():.3g} m near ({x:.4g}, {y:.4g})",
+            text(
+                "its two sides overlap by {} near {}",
+                Quantity(-gaps.min(), "m", ".3g"),
+                Quantity((x, y), "m", ".4g"),
+            ),
             "move one of the bodies so that they touch or are apart",
         )
     if (found := corner_inside([pair], bodies)) is not None:
@@ -208,7 +212,11 @@ def pair_of(
         raise InputError(
             field,
             interface.name,
-            f"a corner of one body is {depth:.3g} m inside the other near ({x:.4g}, {y:.4g})",
+            text(
+                "a corner of one body is {} inside the other near {}",
+                Quantity(depth, "m", ".3g"),
+                Quantity((x, y), "m", ".4g"),
+            ),
             "move one of the bodies so that they touch or are apart",
         )
     return pair

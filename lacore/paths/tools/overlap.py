@@ -11,6 +11,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.contact.obstacles import Obstacle
 from lacore.errors import InputError
 from lacore.paths.tools.carrier import corners_of
+from lacore.reporting.text import Quantity, text
 
 _FINE = 50  # parts of each piece of an outline
 _TOUCH = 1e-6  # of the size of a body: tools that overlap less touch each other
@@ -22,7 +23,12 @@ def overlapping(tool: str, other: str, depth: float, place: tuple[float, float])
     return InputError(
         f"tools[{tool!r}]",
         (round(x, 9), round(y, 9)),
-        f"overlaps {other} by {depth:.3g} m near ({x:.4g}, {y:.4g}) before it moves",
+        text(
+            "overlaps {} by {} near {} before it moves",
+            other,
+            Quantity(depth, "m", ".3g"),
+            Quantity((x, y), "m", ".4g"),
+        ),
         "move the tool away from it, so that they touch or are apart",
     )
 

@@ -10,6 +10,7 @@ from lacore.bodies.blocks.drawings.loops import Chain
 from lacore.bodies.blocks.drawings.snapping import Merged
 from lacore.bodies.blocks.drawings.strokes import place_told, refused
 from lacore.bodies.blocks.overlap import overlap_told
+from lacore.reporting.text import Quantity, text
 
 _WIDEST = 2.0  # snaps: vertices that are one lie no farther apart
 
@@ -22,8 +23,13 @@ def require_clear(path: str, chains: Sequence[Chain], vertices: Merged, snap: fl
         raise refused(
             path,
             owner.told,
-            f"vertices at {place_told(vertices.place[:, wide])} are nearer to each other than the"
-            f" snap of {snap:.3g} m, and {vertices.width[wide]:.3g} m from the first to the last",
+            text(
+                "vertices at {} are nearer to each other than the snap of {}, and {} "
+                "from the first to the last",
+                place_told(vertices.place[:, wide]),
+                Quantity(snap, "m", ".3g"),
+                Quantity(vertices.width[wide], "m", ".3g"),
+            ),
             "give a smaller snap",
         )
 
@@ -39,10 +45,13 @@ def require_blocks(path: str, rings: Sequence[Chain], place: Floats, snap: float
     """
     for ring in rings:
         own = place[:, ring.vertices]
-        at = f"the outline at {place_told(own[:, 0])}"
+        at = text("the outline at {}", place_told(own[:, 0]))
         if ring.vertices.size < 3:
             raise refused(
-                path, ring.told, f"{at} is smaller than the snap of {snap:.3g} m", "remove it"
+                path,
+                ring.told,
+                text("{} is smaller than the snap of {}", at, Quantity(snap, "m", ".3g")),
+                "remove it",
             )
         polygon = shapely.Polygon(own.T)
         if not polygon.is_valid:
@@ -50,7 +59,9 @@ def require_blocks(path: str, rings: Sequence[Chain], place: Floats, snap: float
             why = f"{at} crosses or touches itself ({reason})"
             raise refused(path, ring.told, why, "draw its vertices in order around the block")
         if shapely.buffer(polygon, -snap / 2, join_style="mitre").is_empty:
-            why = f"{at} is a sliver: thinner than the snap of {snap:.3g} m"
+            why = text(
+                "{} is a sliver: thinner than the snap of {}", at, Quantity(snap, "m", ".3g")
+            )
             raise refused(path, ring.told, why, "remove it, or give a smaller snap")
     _require_apart(path, rings, place, snap)
 

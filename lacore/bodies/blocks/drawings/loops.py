@@ -10,6 +10,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.drawings.snapping import on_edges, unique_edges
 from lacore.bodies.blocks.drawings.strokes import place_told, refused
 from lacore.errors import InputError
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact
 
 
@@ -88,7 +89,7 @@ def enclosed(
             raise refused(
                 path,
                 found.told,
-                f"lines around {place_told(place[:, own[0]])} enclose an area with a hole",
+                text("lines around {} enclose an area with a hole", place_told(place[:, own[0]])),
                 "cut the block there, or draw what is inside in another layer",
             )
         closed.append(found)
@@ -138,9 +139,15 @@ def _open(
     joined = parts[(parts == end).any(axis=1)]
     others = np.setdiff1d(parts, joined)
     gap = np.linalg.norm(place[:, others].T - place[:, end], axis=1).min(initial=np.inf)
-    near = f", {gap:.3g} m from the next vertex" if np.isfinite(gap) else ""
+    near = text(", {} from the next vertex", Quantity(float(gap), "m", ".3g"))
     owner = next(line for line in lines if end in line.vertices)
-    told = f"{why}: it ends at {place_told(place[:, end])}{near}; snap is {snap:.3g} m"
+    told = text(
+        "{}: it ends at {}{}; snap is {}",
+        why,
+        place_told(place[:, end]),
+        near if np.isfinite(gap) else "",
+        Quantity(snap, "m", ".3g"),
+    )
     return refused(path, owner.told, told, fix)
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from lacore.arrays import Floats
 from lacore.errors import InputError
-from lacore.showing import Compact, placed
+from lacore.reporting.text import Quantity
+from lacore.showing import Compact
 
 METRES = {
     **{"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0},
@@ -58,9 +59,9 @@ def refused(path: str, what: str, why: str, fix: str) -> InputError:
     return InputError("path", path, f"{what}: {why}", fix)
 
 
-def place_told(place: Floats | Sequence[float]) -> str:
+def place_told(place: Floats | Sequence[float]) -> Quantity:
     """``(1.25, 0.4) m``."""
-    return f"{placed(place)} m"
+    return Quantity(tuple(place), "m", ".6g")
 
 
 def metres(path: str, said: str | None, unit: str | None) -> tuple[str, float]:

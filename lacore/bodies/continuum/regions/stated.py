@@ -14,7 +14,7 @@ from lacore.materials.criterion import Criterion
 from lacore.materials.fields import Field, varying
 from lacore.meshes.curved import vertices
 from lacore.reporting import terms
-from lacore.reporting.text import Term, text
+from lacore.reporting.text import Quantity, Term, text
 from lacore.showing import counted, listed, short, spanned
 
 
@@ -78,8 +78,12 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
             raise InputError(
                 place,
                 name,
-                f"overlaps region {other!r} in {counted(taken.size, 'element')},"
-                f" {_where(mesh, elements[taken])}",
+                text(
+                    "overlaps region {} in {}, {}",
+                    repr(other),
+                    counted(taken.size, "element"),
+                    _where(mesh, elements[taken]),
+                ),
                 "let each element lie in one region",
             )
         owner[elements] = number
@@ -102,7 +106,7 @@ def _where(mesh: Mesh, elements: Ints) -> str:
     """The place of elements, and how deep it is: the smaller side of the box around them."""
     places = vertices(mesh)[:, np.unique(mesh.t[:, elements])]
     low, high = places.min(axis=1), places.max(axis=1)
-    return f"{(high - low).min():.4g} m deep, within {spanned(low, high)} m"
+    return text("{} deep, within {}", Quantity((high - low).min(), "m", ".4g"), spanned(low, high))
 
 
 def _with_effect(region: Region) -> Region:

@@ -15,6 +15,7 @@ from lacore.bodies.continuum.regions.looking import looked_at
 from lacore.errors import InputError
 from lacore.materials.fields import Bending, Field
 from lacore.meshes.curved import vertices
+from lacore.reporting.text import Quantity, text
 from lacore.showing import Compact, placed
 
 _STEEPER = 1e-9  # of a slope: round-off
@@ -116,7 +117,9 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
         raise InputError(
             f"{place}.steepest",
             own.steepest,
-            f"the function is steeper near {placed(centre[:, element])}",
+            text(
+                "the function is steeper near {}", Quantity(tuple(centre[:, element]), "m", ".6g")
+            ),
             "give its largest slope; where it jumps let edges of the mesh follow",
         )
     # It may be uneven between the places looked at, as far as that slope: never taken for linear.
