@@ -131,46 +131,8 @@ def bracket(
     tracks = run.solved([(track, track.problem) for track in tracks])
     run.seen.append((sum(track.elements for track in tracks), run.width))
     while (ending := run.ending(tracks)) is None:
-        open_ = [number for number, track in enumerate(tracks) if run.closed(track) is None]
-        planned = zip(open_, run.growths(tracks, open_), strict=True)
-        finer = {n: run.refined(tracks[n], times) for n, times in planned if times > 1}
-        moves = {number: own for number, own in finer.items() if own is not None}
-        for number in finer.keys() - moves.keys():
-            tracks[number] = replace(tracks[number], too_fine=True)
-        late = [number for number, own in moves.items() if run.too_late(tracks[number], own)]
-        for number in late:
-            tracks[number] = replace(tracks[number], late=mesh_of(moves[number]).nelements)
-        if late:
-            ending = Ending.TIME_LIMIT
-            break
-        solved = run.solved([(tracks[number], own) for number, own in moves.items()])
-        for number, track in zip(moves, solved, strict=True):
-            tracks[number] = track
-        run.seen.append((sum(track.elements for track in tracks), run.width))
-    lower, upper = run.best["lower"], run.best["upper"]
-    assert isinstance(lower, LowerBound)
-    assert isinstance(upper, UpperBound)
-    for kind, bound in run.best.items():
-        if bound.status is not Status.SOLVED:
-            run.failures[kind] = run.failures[kind] or bound.unanswered(backend)
-    wrong = sorted((run.failures | run.absent).items())
-    failed = [
-        Finding(Kind.BOUND_FAILED, (kind,), {"why": why}, Severity.WARNING)
-        for kind, why in wrong
-        if why is not None
-    ]
-    if crossed := crossing(lower, upper) if ending is Ending.CROSSED else None:
-        failed.append(crossed)
-    return Bracket(
-        status=ending,
-        lower_bound=lower,
-        upper_bound=upper,
-        target_width=target_width,
-        history=pd.DataFrame(run.rows),
-        failures=tuple(failed),
-        coulomb=run.coulomb,
-        stops=() if ending is Ending.REACHED else tuple(run.stops(tracks)),
-    )
+        tracks = run.advanced(tracks)
+    return run.found(ending, tracks)
 
 
 @dataclass
@@ -326,6 +288,8 @@ class _Run:
         """Why it ends, if it does."""
         if self.crossed:
             return Ending.CROSSED
+        if any(track.late for track in tracks):
+            return Ending.TIME_LIMIT
         if self.unsigned and self.size <= self.nothing:
             return Ending.ZERO
         if self.width <= self.target:
@@ -354,6 +318,51 @@ class _Run:
         last = track.gains[-_PATIENCE:]
         spent = len(last) == _PATIENCE and max(last) <= _NOTHING * small
         return Ending.NO_PROGRESS if spent else None
+
+    def advanced(self, tracks: Sequence[Track]) -> list[Track]:
+        """Solve on finer meshes; none if the next solve of any would end too late."""
+        after = list(tracks)
+        open_ = [number for number, track in enumerate(after) if self.closed(track) is None]
+        planned = zip(open_, self.growths(after, open_), strict=True)
+        finer = {n: self.refined(after[n], times) for n, times in planned if times > 1}
+        moves = {number: own for number, own in finer.items() if own is not None}
+        for number in finer.keys() - moves.keys():
+            after[number] = replace(after[number], too_fine=True)
+        late = [number for number, own in moves.items() if self.too_late(after[number], own)]
+        for number in late:
+            after[number] = replace(after[number], late=mesh_of(moves[number]).nelements)
+        if late:
+            return after
+        solved = self.solved([(after[number], own) for number, own in moves.items()])
+        for number, track in zip(moves, solved, strict=True):
+            after[number] = track
+        self.seen.append((sum(track.elements for track in after), self.width))
+        return after
+
+    def found(self, ending: Ending, tracks: Sequence[Track]) -> Bracket:
+        """Return what is proven, and what failed."""
+        lower, upper = self.best["lower"], self.best["upper"]
+        assert isinstance(lower, LowerBound)
+        assert isinstance(upper, UpperBound)
+        for kind, bound in self.best.items():
+            if bound.status is not Status.SOLVED:
+                self.failures[kind] = self.failures[kind] or bound.unanswered(self.solver.backend)
+        failed = [
+            Finding(Kind.BOUND_FAILED, (kind,), {"why": why}, Severity.WARNING)
+            for kind, why in sorted((self.failures | self.absent).items())
+            if why is not None
+        ]
+        crossed = crossing(lower, upper) if ending is Ending.CROSSED else None
+        return Bracket(
+            status=ending,
+            lower_bound=lower,
+            upper_bound=upper,
+            target_width=self.target,
+            history=pd.DataFrame(self.rows),
+            failures=tuple(failed if crossed is None else [*failed, crossed]),
+            coulomb=self.coulomb,
+            stops=() if ending is Ending.REACHED else tuple(self.stops(tracks)),
+        )
 
     def stops(self, tracks: Sequence[Track]) -> Iterator[Finding]:
         """Yield which side stopped, where, and why."""
