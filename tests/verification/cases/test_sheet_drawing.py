@@ -56,3 +56,25 @@ def test_the_reference():
     """Of a square die the formula has the reduction 2/3."""
     assert sheet_drawing.reduction(90) == pytest.approx(2 / 3)
     assert sheet_drawing.force("extrusion", 90) == pytest.approx(2 * 2 / 3 * (1 + pi / 2))
+
+
+@pytest.mark.slow
+def test_the_load_of_extrusion_is_that_of_the_sheet_as_it_leaves():
+    """It leaves thinner than the die: the load is higher by the logarithm of the thickness."""
+    given = {"process": "extrusion", "angle": 30.0, "steps": 12, "scheme": "leapfrog"}
+    stated = sheet_drawing.path(**given)
+    path = la.sequential(
+        sheet_drawing.build(8, **given), stated.travel, 12, approaching=stated.approaching
+    )
+    last = path.snapshots[-1]
+    mesh = path.stage_of(last).meshes_at(last.configuration)["sheet"]
+    top = np.asarray(mesh.boundaries["top"])
+    nodes = np.unique([*mesh.facets[:, top].ravel(), *(mesh.nvertices + top)])
+    x, y = mesh.doflocs[:, nodes][:, np.argsort(mesh.doflocs[0, nodes])]
+    die, low = sheet_drawing.die_length(30.0), 1 - sheet_drawing.reduction(30.0)
+    left = (x > die) & (x < die + stated.travel / low)
+    thickness = np.trapezoid(y[left], x[left]) / np.ptp(x[left])
+    assert 0.95 * low < thickness < 0.98 * low
+    ratio = sheet_drawing.steady_force(path) / sheet_drawing.force("extrusion", 30.0)
+    assert ratio == pytest.approx(np.log(thickness) / np.log(low), rel=5e-3)
+    assert ratio < 1.05
