@@ -3,7 +3,6 @@
 import os
 import time
 from collections.abc import Generator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -13,7 +12,7 @@ from lacore.backend import TRUE_GAP, find_backend
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.limit.solve import solve
-from lacore.numerics.threads import one_thread_each
+from lacore.numerics.threads import each
 from lacore.problem.problem import Problem
 from lacore.status import Status
 
@@ -87,12 +86,7 @@ class Solver:
 
         Who stops reading leaves the rest unsolved, or unread.
         """
-        jobs = min(self.jobs, len(asked))
-        if jobs < 2:
-            yield from map(self.answer, asked)
-            return
-        with one_thread_each(), ThreadPoolExecutor(jobs) as pool:  # they let go of the interpreter
-            yield from pool.map(self.answer, asked)
+        yield from each(self.answer, asked, self.jobs)
 
     def answer(self, asked: Asked) -> Answer:
         """The answer to one question."""

@@ -11,7 +11,6 @@ from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Bools, Floats
 from lacore.assembly.discretisation import Discretisation
-from lacore.backend import find_backend, read_options
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.regions.gathering import (
@@ -32,7 +31,7 @@ from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.claims.judged import Ray
 from lacore.errors import InputError, SolveError, typed
-from lacore.inner.preparing import preparing
+from lacore.inner.preparing import prepared_by
 from lacore.inner.rigid_motions import motions_without_strain
 from lacore.limit.conversion import point_in_program
 from lacore.limit.judges.driven_corners import driven_corners
@@ -215,8 +214,7 @@ def _candidates(
     if not program.presses:
         nearest = (admissible_velocity(program, velocity), none)
         return [nearest, *_without_noise(program, velocity, admissible_velocity)]
-    engine = find_backend(state.backend)
-    prepare = preparing(engine, read_options(engine, state.options), good=_INSIDE)
+    prepare = prepared_by(state.backend, state.options, good=_INSIDE)
 
     def possible(stated: KinematicProgram, motion: Floats) -> Floats:
         return possible_velocity(stated, motion, prepare)

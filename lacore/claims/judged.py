@@ -5,11 +5,11 @@ from contextlib import closing
 
 import numpy as np
 
-from lacore.backend import PreparedSolver, checked_answer, find_backend, read_options
+from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
 from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.claims.locking_ray import LockingRay, locking_ray
-from lacore.inner.preparing import preparing
+from lacore.inner.preparing import prepared_by
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
@@ -71,8 +71,7 @@ def _mechanism(
 
     It is asked of lacore's own backend, not of the one that made the claim.
     """
-    judge = find_backend(JUDGE)
-    with closing(preparing(judge, read_options(judge, {}))(program)) as solver:
+    with closing(prepared_by(JUDGE, {})(program)) as solver:
         point = checked_answer(program, False, solver.solve(contact)).point
     if point is None:
         return None

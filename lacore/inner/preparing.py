@@ -1,10 +1,10 @@
 """A backend ready for one program after another, asked in scaled units."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from lacore.backend import TRUE_GAP, Backend, PreparedSolver
+from lacore.backend import TRUE_GAP, Backend, PreparedSolver, find_backend, read_options
 from lacore.inner.local_speeds import LocalSpeedSolver
 from lacore.inner.rescaling import GOOD, RescalingSolver
 from lacore.inner.strong_bodies import StrongBodySolver
@@ -44,3 +44,19 @@ def preparing(backend: Backend, options: Any, good: float = GOOD) -> Prepare:
         return LocalSpeedSolver(program, plain, good)
 
     return lambda program: StrongBodySolver(program, lambda own: RescalingSolver(own, local, good))
+
+
+def prepared_by(name: str, options: Mapping[str, Any], good: float = GOOD) -> Prepare:
+    """Find a backend, read its options, and return the function that puts it to work.
+
+    Args:
+        name: Of the backend.
+        options: By name.
+        good: See `preparing`.
+
+    Raises:
+        InputError: There is no such backend, or an option is invalid.
+        CapabilityError: The backend is missing.
+    """
+    backend = find_backend(name)
+    return preparing(backend, read_options(backend, options), good)

@@ -5,10 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.backend import find_backend, read_options
 from lacore.coupling.interval import End, Interval, further, load_factor_interval
 from lacore.errors import InputError
-from lacore.inner.preparing import preparing
+from lacore.inner.preparing import prepared_by
 from lacore.limit.conversion import point_in_program, point_in_si
 from lacore.program import (
     dimensionless,
@@ -46,9 +45,8 @@ def interval_of_state(
             "the mechanism of a soil whose flow is not associated has no ends that can be proven",
             text("take {}, which looks for the range of load factors", terms.SOIL_RANGE),
         )
-    engine = find_backend(backend)
     program = dimensionless(discretisation.program, discretisation.natural)
-    prepare = preparing(engine, read_options(engine, options))
+    prepare = prepared_by(backend, options)
     found = load_factor_interval(
         program, point_in_program(discretisation, point), prepare, tolerance
     )

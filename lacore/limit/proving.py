@@ -10,12 +10,12 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.backend import Backend, find_backend, read_options
+from lacore.backend import Backend
 from lacore.claims.judged import CLAIMED, judged_claim
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import CouplingOptions, Iterate, Run
-from lacore.inner.preparing import preparing, rough
+from lacore.inner.preparing import prepared_by, preparing, rough
 from lacore.inner.rescaling import good_for
 from lacore.limit.engines import engine_for, stated
 from lacore.limit.outcome import Outcome, Times, outcome_of
@@ -89,14 +89,12 @@ def _proven(outcome: Outcome, engine: Backend, options: Any, request: Request) -
     coupled, program = outcome.coupled, outcome.program
     if coupled.status not in CLAIMED:
         return outcome
-    judge = find_backend(JUDGE) if outcome.regularised else engine
-    settings = read_options(judge, {}) if outcome.regularised else options
     status, why, ray = judged_claim(
         coupled.status,
         program,
         coupled.laws or frictionless_contact(program.contact),
         coupled.laws or associated_contact(program.contact),
-        preparing(judge, settings),
+        prepared_by(JUDGE, {}) if outcome.regularised else preparing(engine, options),
         coupled.tolerance,
     )
     point = outcome.point

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.backend import checked_answer, find_backend, read_options
+from lacore.backend import checked_answer, find_backend
 from lacore.certificate import certify
 from lacore.claims.carrying import carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.kinds import COUPLINGS
-from lacore.inner.preparing import preparing
+from lacore.inner.preparing import prepared_by
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
@@ -139,16 +139,15 @@ def stability_of(
         "LimitState.stability",
         "ask for the stability of a state of lacore.solve",
     )
-    engine = find_backend(backend)
-    if engine.capabilities.regularised:
-        engine, options, load_factor = find_backend(JUDGE), {}, np.nan
+    if find_backend(backend).capabilities.regularised:
+        backend, options, load_factor = JUDGE, {}, np.nan
     stated = dimensionless(discretisation.program, discretisation.natural)
     kind = COUPLINGS[coupling]
     program = kind.program_of(stated).associated()  # what is carried asks for no flow
     rows, scale = program.contact, discretisation.natural.load_factor
     laws = kind.laws_of(rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
-    prepare = preparing(engine, read_options(engine, options))
+    prepare = prepared_by(backend, options)
     found = carrying(program, laws, prepare, tolerance)
     if found.carried is not None:
         point = point_in_si(discretisation, found.carried)

@@ -1,12 +1,17 @@
 """Linear algebra on one thread each, where several problems are solved at a time."""
 
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from functools import cache
 from threading import Lock
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 from threadpoolctl import ThreadpoolController
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class _Shared:
@@ -44,6 +49,20 @@ def one_thread_each() -> AbstractContextManager[None]:
     when the first came.
     """
     return _OF_THE_PROCESS
+
+
+def each(work: Callable[[Item], Result], items: Sequence[Item], threads: int) -> Iterator[Result]:
+    """Yield the results of items in their order, several computed at a time.
+
+    The order and the results do not depend on the number of threads. Solvers release the
+    interpreter, so threads suffice. Items that nobody waits for any more are left out.
+    """
+    threads = min(threads, len(items))
+    if threads < 2:
+        yield from map(work, items)
+        return
+    with one_thread_each(), ThreadPoolExecutor(threads) as pool:
+        yield from pool.map(work, items)
 
 
 @cache

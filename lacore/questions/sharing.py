@@ -1,7 +1,6 @@
 """Several solves at a time."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from typing import Any
 
@@ -9,6 +8,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.errors import require_count
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
+from lacore.numerics.threads import each
 from lacore.solvers.isolation import SolverProcess
 
 Told = Callable[[int, LimitState], None]
@@ -35,31 +35,27 @@ def solved(
     """
     require_count("workers", workers)
     tell = on_state or (lambda number, state: None)
-    found: dict[int, LimitState] = {}
-    if min(workers, len(problems)) < 2:
-        for number, problem in enumerate(problems):
-            found[number] = solve(problem, **given)
-            tell(number, found[number])
-        return list(found.values())
-    processes = [SolverProcess() for _ in range(min(workers, len(problems)))]
-    idle: SimpleQueue[SolverProcess] = SimpleQueue()
+    count = min(workers, len(problems))
+    processes = [SolverProcess() for _ in range(count)] if count > 1 else []
+    idle: SimpleQueue[SolverProcess | None] = SimpleQueue()
     for process in processes:
         idle.put(process)
+    if not processes:
+        idle.put(None)  # as `lacore.solvers.registry.load_backend` decides
 
-    def one(number: int) -> None:
+    def one(problem: Discretisation) -> LimitState:
         process = idle.get()
         try:
-            found[number] = solve(problems[number], process=process, **given)
+            return solve(problem, process=process, **given)
         finally:
             idle.put(process)
 
+    found: list[LimitState] = []
     try:
-        with ThreadPoolExecutor(len(processes)) as pool:
-            waiting = [pool.submit(one, number) for number in range(len(problems))]
-            for number, result in enumerate(waiting):
-                result.result()
-                tell(number, found[number])
+        for number, state in enumerate(each(one, problems, count)):
+            found.append(state)
+            tell(number, state)
     finally:
         for process in processes:
             process.close()
-    return [found[number] for number in range(len(problems))]
+    return found

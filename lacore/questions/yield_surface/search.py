@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +15,7 @@ from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError
 from lacore.limit.cells import from_below, laws_of_crushing
 from lacore.limit.solve import solve
-from lacore.numerics.threads import one_thread_each
+from lacore.numerics.threads import each
 from lacore.problem.problem import Problem
 from lacore.questions.worth import error, proven, worth
 from lacore.questions.yield_surface.components import Components
@@ -80,11 +79,8 @@ class Asking:
 
     def answers(self, centre: Floats, ways: Sequence[Floats]) -> list[Answer]:
         """In the order of directions, the same whatever `jobs`."""
-        at_once = min(self.jobs, len(ways))
-        if at_once < 2:
-            return [self.answer(centre, way, self.jobs) for way in ways]
-        with one_thread_each(), ThreadPoolExecutor(at_once) as pool:  # free of the interpreter
-            return list(pool.map(lambda way: self.answer(centre, way, 1), ways))
+        jobs = self.jobs if min(self.jobs, len(ways)) < 2 else 1  # of each direction
+        return list(each(lambda way: self.answer(centre, way, jobs), ways, self.jobs))
 
     def answer(self, centre: Floats, direction: Floats, jobs: int) -> Answer:
         """Both bounds along a direction.
