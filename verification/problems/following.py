@@ -12,10 +12,11 @@ from lacore.files.problem.reading import Stated
 from lacore.paths.ending import Ending
 from lacore.showing import counted
 from verification.problems.answers import Status
+from verification.problems.more import ANALYSES
 
 HISTORY, SHAPES, ANIMATION = "history.csv", "shapes", "path.gif"
-_OWN = ("bracket", "range", "safety", "interfaces", "stable", "sensitivity", "cases", "envelope",
-        "vary", "critical", "limit", "worst")  # fmt: skip
+_OWN = (*(name for name, own in ANALYSES.items() if own.automatic is None), "interfaces", "vary")
+"""Analyses, and their options, of the load factor of one shape."""
 
 
 @dataclass(frozen=True)

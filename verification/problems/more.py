@@ -1,4 +1,4 @@
-"""Analyses in addition to the load factor: stability, sensitivity, load cases, envelopes."""
+"""All analyses in addition to the load factor, by name."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf
@@ -10,12 +10,14 @@ from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied
 from lacore.questions.stable import require_dead_loads
-from verification.problems.asking import Given, More
+from lacore.reporting.units import Units
+from verification.problems.asking import Analysis, Given, Question
+from verification.problems.bounding import AFTER, BOUNDING
 from verification.problems.tables import sensitivity_in
 from verification.problems.varying import VARYING
 
 
-def _stands(found: la.Stable) -> str:
+def _stands(found: la.Stable, units: Units) -> str:
     return found.stability.standing.value
 
 
@@ -31,32 +33,34 @@ def _differentiated(given: Given) -> la.Sensitivity:
     return la.sensitivity(given.state)
 
 
-def _most(found: la.Sensitivity) -> str:
+def _most(found: la.Sensitivity, units: Units) -> str:
     methods = " and ".join(dict.fromkeys(found.table["method"]))
     return f"{found.facts().told['most']}: change in % for a change of 1 %, by {methods}"
 
 
 def _cases(given: Given) -> la.LoadCases:
-    width = given.bracket
-    return la.load_cases(given.problem, given.cases, given.backend, target_width=width)
+    width = given.question.bracket
+    return la.load_cases(given.problem, given.cases, given.question.backend, target_width=width)
 
 
-def _named(found: la.LoadCases) -> str:
+def _named(found: la.LoadCases, units: Units) -> str:
     said = found.facts().title.partition(": ")[2]
     return f"{said}, proven" if found.sure and not found.failed else f"{said}; {found.message}"
 
 
-def _by_case(found: la.LoadCases) -> dict[str, Any]:
+def _by_case(found: la.LoadCases, units: Units) -> dict[str, Any]:
     rows = found.table[["case", "status", "load_factor", "lower", "upper"]].to_dict("records")
     return {"governing": found.governing, "sure": found.sure, "cases": rows}
 
 
 def _combined(given: Given) -> la.Envelope:
-    width = given.bracket
-    return la.envelope(given.problem, given.cases, backend=given.backend, target_width=width)
+    width = given.question.bracket
+    return la.envelope(
+        given.problem, given.cases, backend=given.question.backend, target_width=width
+    )
 
 
-def _hulls(found: la.Envelope) -> dict[str, Any]:
+def _hulls(found: la.Envelope, units: Units) -> dict[str, Any]:
     return {
         "names": list(found.names),
         "width": found.width,
@@ -67,35 +71,36 @@ def _hulls(found: la.Envelope) -> dict[str, Any]:
     }
 
 
-MORE: Mapping[str, More] = {
-    "stable": More(
+ANALYSES: Mapping[str, Analysis] = {
+    **BOUNDING,
+    "stable": Analysis(
         title="Under the dead loads alone",
         doing="checking the dead loads",
-        ask=lambda given: la.stable(given.problem, given.backend),
+        ask=lambda given: la.stable(given.problem, given.question.backend),
         good=lambda found: found.stands is not None,
         said=_stands,
         caption=_fallen,
-        document=lambda found: {
+        document=lambda found, units: {
             "stands": found.stands,
             "residual": found.stability.residual,
         },
-        script=lambda backend, width: f'la.stable(problem, "{backend}")',
+        script=lambda question, _: f'la.stable(problem, "{question.backend}")',
         dead=True,
         drawn=lambda found, units: views.picture(found, units=units),
     ),
-    "sensitivity": More(
+    "sensitivity": Analysis(
         title="Sensitivity of the load factor",
         doing="computing sensitivities",
         ask=_differentiated,
         good=lambda found: bool((found.table["why"] == "").any()),
         said=_most,
         caption=lambda found: "Elasticities: change of the load factor in % for a change of 1 %",
-        document=lambda found: {"table": found.table.to_dict("records")},
-        script=lambda backend, width: "la.sensitivity(state)",
+        document=lambda found, units: {"table": found.table.to_dict("records")},
+        script=lambda question, _: "la.sensitivity(state)",
         table=lambda found: found.table,
         told=sensitivity_in,
     ),
-    "cases": More(
+    "cases": Analysis(
         title="Load cases",
         doing="solving the load cases",
         ask=_cases,
@@ -103,59 +108,63 @@ MORE: Mapping[str, More] = {
         said=_named,
         caption=lambda found: "Load factors by case",
         document=_by_case,
-        script=lambda backend, width: f'la.load_cases(problem, loads, "{backend}"{width})',
+        script=lambda question, _: (
+            f'la.load_cases(problem, loads, "{question.backend}"{question.width})'
+        ),
         table=lambda found: found.table,
         cases=(1, inf),
         takes="one case or more",
     ),
-    "envelope": More(
+    "envelope": Analysis(
         title="Combinations of load cases",
         doing="searching load combinations",
         ask=_combined,
         good=lambda found: bool(found.table["status"].isin(["solved", "reached"]).all()),
-        said=lambda found: found.message,
+        said=lambda found, units: found.message,
         caption=lambda found: (
             "Factors of the load cases that are carried, and that are not carried"
         ),
         document=_hulls,
-        script=lambda backend, width: f'la.envelope(problem, loads, backend="{backend}"{width})',
+        script=lambda question, _: (
+            f'la.envelope(problem, loads, backend="{question.backend}"{question.width})'
+        ),
         table=lambda found: found.table,
         cases=(2, 3),
         takes="two or three cases",
     ),
     **VARYING,
+    **AFTER,
 }
 """By the key in ``[solve]``, which is that of the option."""
 
 
 def check(name: str, stated: Stated, varied: Varied | None) -> None:
     """Raise `InputError`, with its line, if a file lacks what an analysis needs."""
-    least, most = MORE[name].cases
+    least, most = ANALYSES[name].cases
     if not least <= len(stated.cases) <= most:
-        why = f"{name} needs {MORE[name].takes}, and the file has {len(stated.cases)}"
+        why = f"{name} needs {ANALYSES[name].takes}, and the file has {len(stated.cases)}"
         fix = 'assign each reference load to a case: case = "wind"'
         raise stated.source.error(("reference_loads",), list(stated.cases), why, fix)
-    if MORE[name].varies and varied is None:
+    if ANALYSES[name].varies and varied is None:
         why = "needs a number that varies"
         fix = "add --vary, or vary in [solve], such as 'arch.thickness=5 cm:20 cm'"
         if getattr(stated.asked, name) not in (None, False):
             raise stated.source.error(("solve", name), None, why, fix)
         raise InputError(f"--{name}", None, why, fix)
-    if MORE[name].dead:
+    if ANALYSES[name].dead:
         with stated.locating():
             require_dead_loads(stated.problem)
 
 
-def lines(
-    names: Sequence[str], places: Mapping[str, Sequence[int]], backend: str, bracket: float | None
-) -> Iterator[str]:
+def calls(question: Question, problem: la.Problem, names: Sequence[str]) -> Iterator[str]:
     """Return the calls of a script; those of varied numbers use ``problem_at`` and ``within``."""
-    if any(MORE[name].cases[0] for name in names):
+    if any(ANALYSES[name].cases[0] for name in names):
         yield "loads = {"
-        for case, own in places.items():
+        for case, own in question.cases.items():
             listed = ", ".join(f"problem.reference_loads[{place}]" for place in own)
             yield f'    "{case}": [{listed}],'
         yield "}"
-    width = "" if bracket is None else f", target_width={bracket!r}"
     for name in names:
-        yield f"print({MORE[name].script(backend, width)})"
+        call = ANALYSES[name].script
+        if call is not None:
+            yield f"print({call(question, problem)})"

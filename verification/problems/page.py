@@ -14,9 +14,9 @@ from lacore.certificate import Certificate
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from verification.problems.answers import Answer
-from verification.problems.more import MORE
+from verification.problems.more import ANALYSES
 from verification.problems.tables import in_units
-from verification.problems.words import friction, loads_told, worth
+from verification.problems.words import friction, loads_told, said_of, worth
 from verification.report.blocks import (
     Block,
     Details,
@@ -70,15 +70,9 @@ def page(
         ),
         Section("problem", "The problem", [*described(state.discretisation.problem, units)]),
     ]
-    if answer.bracket is not None:
-        sections.append(_bracket(answer.bracket, units))
-    if answer.range is not None:
-        sections.append(_range(answer.range, units))
-    if answer.safety is not None:
-        kind = "Intermediate states" if answer.safety.states else "Intermediate bounds"
-        history = table_of(answer.safety.history, kind)
-        sections.append(Section("safety", "Factor of safety", [history], str(told["safety"])))
-    sections += [_more(name, own, units) for name, own in answer.more.items()]
+    sections += [
+        _section(name, own, units) for name, own in answer.results.items() if ANALYSES[name].title
+    ]
     sections += [
         Section("certificate", "Certificate", [*_certificate(state)]),
         Section("tables", "Tables", [*_tables(state, units)]),
@@ -92,7 +86,7 @@ def page(
 
 def _lead(answer: Answer, units: Units) -> str:
     state, proven, reader = answer.state, answer.bracket, Reader(units, files=True)
-    if proven is not None and answer.bracketed:
+    if proven is not None:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
         return f"Collapse between {ends} times the reference loads: {proven.text_for(reader)}."
     if state.status is la.Status.SOLVED:
@@ -134,30 +128,20 @@ def described(problem: la.Problem, units: Units) -> Iterator[Block]:
     )
 
 
-def _bracket(bracket: la.Bracket, units: Units) -> Section:
-    blocks: list[Block] = [table_of(bracket.history, "Solves")]
-    if np.isfinite(bracket.width):
-        caption = "Contributions of the elements to the distance of the bounds"
-        blocks.insert(0, Gallery([_picture("bracket", caption, bracket, units)]))
-    return Section("bracket", "Lower and upper bound", blocks, bracket.heading)
-
-
-def _range(found: la.CoulombRange | la.SoilRange, units: Units) -> Section:
-    facts = found.facts_for(Reader(units, files=True))
-    blocks: list[Block] = [Facts(facts.told), table_of(found.states, "States found")]
-    return Section("range", "Range of load factors", blocks, facts.title)
-
-
-def _more(name: str, found: Any, units: Units) -> Section:
-    own = MORE[name]
+def _section(name: str, found: Any, units: Units) -> Section:
+    """Show the result of an analysis: its picture, its facts, its table."""
+    own, said = ANALYSES[name], said_of(name, found, units)
     if isinstance(found, str):
-        return Section(name, own.title, [Text(render(found, Reader(units, files=True)))])
+        return Section(name, own.title, [Text(said)])
     told = own.told(found, units)
-    picture = Picture(name, own.caption(told), png(own.drawn(told, units), _DPI))
-    blocks: list[Block] = [Gallery([picture])]
+    blocks: list[Block] = []
+    if caption := own.caption(told):
+        blocks.append(Gallery([Picture(name, caption, png(own.drawn(told, units), _DPI))]))
+    if facts := own.facts(told, units):
+        blocks.append(Facts(facts))
     if own.table is not None:
-        blocks.append(table_of(own.table(told), own.title))
-    return Section(name, own.title, blocks, own.said(told))
+        blocks.append(table_of(own.table(told), own.table_title(told) or own.title))
+    return Section(name, own.title, blocks, said)
 
 
 def _certificate(state: la.LimitState) -> Iterator[Block]:

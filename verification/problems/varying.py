@@ -11,7 +11,7 @@ from lacore import views
 from lacore.files.problem.varied import Varied
 from lacore.questions.critical import Search
 from lacore.reporting.units import Units
-from verification.problems.asking import Given, More
+from verification.problems.asking import Analysis, Given
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,9 +49,9 @@ def _critical(given: Given) -> Along[la.Critical]:
     found = la.critical(
         varied.problem,
         (varied.low, varied.high),
-        target=given.target,
-        backend=given.backend,
-        coupling=given.coupling,
+        target=given.question.target,
+        backend=given.question.backend,
+        coupling=given.question.coupling,
         on_value=_telling(given),
     )
     return Along(found, varied.name, varied.unit)
@@ -61,7 +61,7 @@ def _limit(given: Given) -> Along[la.Critical]:
     varied = _varied(given)
     ends = varied.low, varied.high
     found = la.limit_thickness(
-        varied.problem, ends, backend=given.backend, on_value=_telling(given)
+        varied.problem, ends, backend=given.question.backend, on_value=_telling(given)
     )
     return Along(found, varied.name, varied.unit)
 
@@ -71,16 +71,16 @@ def _worst(given: Given) -> Along[la.WorstPosition]:
     found = la.worst_position(
         varied.problem,
         (varied.low, varied.high),
-        backend=given.backend,
-        coupling=given.coupling,
+        backend=given.question.backend,
+        coupling=given.question.coupling,
         on_value=_telling(given),
     )
     return Along(found, varied.name, varied.unit)
 
 
 def _varied(given: Given) -> Varied:
-    assert given.varied is not None  # it is checked before anything is solved
-    return given.varied
+    assert given.question.varied is not None  # it is checked before anything is solved
+    return given.question.varied
 
 
 def _telling(given: Given) -> Callable[[float, float], None]:
@@ -111,7 +111,7 @@ def _scaled(table: pd.DataFrame, size: float) -> pd.DataFrame:
     return table.assign(parameter=table["parameter"] / size)
 
 
-def _crossed(own: Along[la.Critical]) -> str:
+def _crossed(own: Along[la.Critical], units: Units) -> str:
     """Describe a critical value, and what is proven at both ends of its interval."""
     found = own.found
     if found.first is None:
@@ -124,7 +124,7 @@ def _crossed(own: Along[la.Critical]) -> str:
     return said + _others(found)
 
 
-def _stands(own: Along[la.Critical]) -> str:
+def _stands(own: Along[la.Critical], units: Units) -> str:
     """Describe the limit at which the dead loads are just carried."""
     found = own.found
     if found.first is None:
@@ -151,7 +151,7 @@ def _others(found: la.Critical) -> str:
     return more
 
 
-def _least(own: Along[la.WorstPosition]) -> str:
+def _least(own: Along[la.WorstPosition], units: Units) -> str:
     found = own.found
     place = f"{own.name} = {own.at(found.position, 5)}"
     return f"load factor {found.load_factor:.6g} at {place}, {found.message}"
@@ -161,7 +161,7 @@ def _numbers(own: Along[Any]) -> dict[str, Any]:
     return {"parameter": own.name, "unit": own.unit, "table": own.found.table.to_dict("records")}
 
 
-def _crossings(own: Along[la.Critical]) -> dict[str, Any]:
+def _crossings(own: Along[la.Critical], units: Units) -> dict[str, Any]:
     """As a document."""
     found = own.found
     crossings = [
@@ -178,7 +178,7 @@ def _crossings(own: Along[la.Critical]) -> dict[str, Any]:
     return {**said, "value": found.value, "crossings": crossings, **_numbers(own)}
 
 
-def _position(own: Along[la.WorstPosition]) -> dict[str, Any]:
+def _position(own: Along[la.WorstPosition], units: Units) -> dict[str, Any]:
     found = own.found
     said = {"position": found.position, "load_factor": found.load_factor, "spacing": found.spacing}
     return {**said, **_numbers(own)}
@@ -189,8 +189,8 @@ def _drawn(own: Along[Any], units: Units) -> "Figure":
 
 
 _BY = "problem_at, within"
-VARYING: Mapping[str, More] = {
-    "critical": More(
+VARYING: Mapping[str, Analysis] = {
+    "critical": Analysis(
         title="Critical value",
         doing="searching for the critical value",
         ask=_critical,
@@ -198,13 +198,15 @@ VARYING: Mapping[str, More] = {
         said=_crossed,
         caption=lambda own: f"Load factor along {own.name}",
         document=_crossings,
-        script=lambda backend, width: f'la.critical({_BY}, target=target, backend="{backend}")',
+        script=lambda question, _: (
+            f'la.critical({_BY}, target=target, backend="{question.backend}")'
+        ),
         table=lambda own: own.found.table,
         varies=True,
         told=_critical_in,
         drawn=_drawn,
     ),
-    "limit": More(
+    "limit": Analysis(
         title="Limit of standing under the dead loads",
         doing="searching for the limit",
         ask=_limit,
@@ -214,14 +216,14 @@ VARYING: Mapping[str, More] = {
             f"Factor of the dead loads along {own.name}: the structure stands above 1"
         ),
         document=_crossings,
-        script=lambda backend, width: f'la.limit_thickness({_BY}, backend="{backend}")',
+        script=lambda question, _: f'la.limit_thickness({_BY}, backend="{question.backend}")',
         table=lambda own: own.found.table,
         dead=True,
         varies=True,
         told=_critical_in,
         drawn=_drawn,
     ),
-    "worst": More(
+    "worst": Analysis(
         title="Worst position",
         doing="searching for the worst position",
         ask=_worst,
@@ -229,7 +231,7 @@ VARYING: Mapping[str, More] = {
         said=_least,
         caption=lambda own: f"Load factor along {own.name}",
         document=_position,
-        script=lambda backend, width: f'la.worst_position({_BY}, backend="{backend}")',
+        script=lambda question, _: f'la.worst_position({_BY}, backend="{question.backend}")',
         table=lambda own: own.found.table,
         varies=True,
         told=_worst_in,

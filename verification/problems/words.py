@@ -1,7 +1,6 @@
 """The result of `lacore solve` in a few lines: load factor, proof and collapse mechanism."""
 
 from collections.abc import Iterator, Sequence
-from math import isinf
 from typing import Any
 
 import numpy as np
@@ -11,17 +10,15 @@ from lacore.bodies.any_body import of_kind
 from lacore.conditions.loads import Load
 from lacore.files.problem.statements import law as stated_law
 from lacore.materials.friction import Friction
-from lacore.reporting.findings import texts
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted, listed
 from verification.problems.answers import Answer
-from verification.problems.more import MORE
+from verification.problems.more import ANALYSES
 from verification.problems.tables import interface_names
 
 _LOADS = 4  # loads that are described; others are counted
 _MOVES = 1e-6  # of the largest velocity: a slower part is at rest
-_SAME = 1e-6  # of a load factor: closer ends of an interval are equal
 _TURNS = 1e-3  # of the largest velocity: a block that rotates more slowly slides
 _MOST = 0.9  # of the dissipation of a body, whose area is given
 
@@ -50,37 +47,21 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     """Return the lines that describe a result, by name."""
     state, reader = answer.state, Reader(units, files=True)
     one = f"{state.load_factor:.6g}, {worth(state)}"
-    between = "" if answer.bracket is None else answer.bracket.heading
     # The solve on one mesh may lie outside of the bounds, so they come first.
-    told = {"bracket": between} if answer.bracketed else {"load factor": one}
+    proven = answer.bracket
+    told = {"load factor": one} if proven is None else {"bracket": proven.heading}
     problem = state.discretisation.problem
     told["reference loads"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
         told["status"] = answer.report.text_for(reader)
     elif note := answer.report.notes_for(reader):
         told["note"] = note
-    if answer.interval is not None:
-        told["interval"] = _interval(answer.interval)
-    if answer.bracketed:
+    if proven is not None:
         told["on one mesh"] = f"{one} (mesh of the file)"
-    elif between:
-        told["bracket"] = between
-    if answer.range is not None:
-        told["range"] = answer.range.facts_for(reader).title.partition(": ")[2]
-    if answer.safety is not None:
-        ends = answer.safety.facts().title.partition(": ")[2]
-        told["safety"] = "; ".join(filter(None, (ends, texts(answer.safety.findings, reader))))
-    for name, found in answer.more.items():
-        told[name] = (
-            render(found, Reader(units, files=True))
-            if isinstance(found, str)
-            else _said(name, found, units)
-        )
+    for name, found in answer.results.items():
+        told.setdefault(name.replace("_", " "), said_of(name, found, units))
     if state.point is not None:
         told["mechanism"] = mechanism(state, units)
-    if answer.stability is not None:
-        own = answer.stability
-        told["dead loads"] = own.proven if "stable" in answer.more else own.text_for(reader)
     if state.certificate is not None:
         told["residual"] = f"{state.certificate.summary}; the tolerance is {state.tolerance:g}"
     loop = f", {state.coupling} coupling loop" if state.outer_iterations > 1 else ""
@@ -92,9 +73,12 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     return told
 
 
-def _said(name: str, found: Any, units: Units) -> str:
-    own = MORE[name]
-    return own.said(own.told(found, units))
+def said_of(name: str, found: Any, units: Units) -> str:
+    """Return the result of an analysis in one line, or why there is none."""
+    if isinstance(found, str):
+        return render(found, Reader(units, files=True))
+    own = ANALYSES[name]
+    return own.said(own.told(found, units), units)
 
 
 def worth(state: la.LimitState) -> str:
@@ -103,16 +87,6 @@ def worth(state: la.LimitState) -> str:
     if deforms and state.rigor is la.Rigor.DISCRETE and state.status is la.Status.SOLVED:
         return "estimate: certified on this mesh, but not a bound"
     return state.discretisation.worth(state.rigor)
-
-
-def _interval(found: la.Interval) -> str:
-    """Describe the load factors that the mechanism of a state carries."""
-    note = "" if found.exact else "; ends as found, not proven"
-    if isinf(found.high):
-        return f"this mechanism carries all load factors from {found.low:.6g}{note}"
-    if found.high - found.low <= _SAME * abs(found.high):
-        return f"this mechanism carries the load factor {found.high:.6g} only{note}"
-    return f"this mechanism carries load factors from {found.low:.6g} to {found.high:.6g}{note}"
 
 
 def mechanism(state: la.LimitState, units: Units) -> str:

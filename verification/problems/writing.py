@@ -5,13 +5,13 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from textwrap import indent
 
-import lacore as la
 from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import script
 from lacore.files.problem.varied import Varied
 from verification.problems import more
-from verification.problems.answers import Answer, Question, Status
+from verification.problems.answers import Answer, Status
+from verification.problems.asking import Question
 from verification.problems.page import page
 from verification.problems.words import lines
 from verification.report.files import write
@@ -60,21 +60,13 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
     given = [f'backend="{question.backend}"']
     given += [f'coupling="{question.coupling}"'] if question.coupling else []
     ends = ["", f"state = la.solve(problem, {', '.join(given)})", "print(state)"]
-    if question.bracket is not None:
-        width = f'target_width={question.bracket!r}, backend="{question.backend}"'
-        ends.append(f"print(la.bracket(problem, {width}))")
-    if question.range:
-        soil = "soil_range" if la.discretise(stated.problem).program.frictional else "coulomb_range"
-        ends.append(f'print(la.{soil}(problem, backend="{question.backend}"))')
-    if question.safety:
-        divided = "interfaces=True, " * question.interfaces
-        ends.append(f'print(la.safety_factor(problem, {divided}backend="{question.backend}"))')
-    asked = list(question.more)
+    names = [name for name in more.ANALYSES if name in question.analyses]
+    varying = [name for name in names if more.ANALYSES[name].varies]
+    ends += more.calls(question, stated.problem, [own for own in names if own not in varying])
     if question.varied is not None:
         function = _function(question.varied, folder)
-        asked = [name for name in asked if function or not more.MORE[name].varies]
         ends += _along(question, function)
-    ends += more.lines(asked, question.cases, question.backend, question.bracket)
+        ends += more.calls(question, stated.problem, varying if function else [])
     title = " ".join(stated.title.replace("\\", "/").replace('"', "'").split())
     head = f'"""{title}: from {stated.source.file.name}."""\n\n'
     return f"{head}{paths}import lacore as la\n\n{problem}" + "\n".join(ends) + "\n"
@@ -89,7 +81,7 @@ def _along(question: Question, function: str) -> Iterator[str]:
         return
     yield f"\n\ndef problem_at(value):\n{indent(function, '    ')}    return problem\n\n"
     yield f"within = ({varied.low!r}, {varied.high!r})"
-    if "critical" in question.more:
+    if "critical" in question.analyses:
         yield f"target = {question.target!r}"
 
 
