@@ -59,7 +59,7 @@ def moved_back(own: Configuration, stage: Stage, known: Stage) -> Configuration:
     points, same = (_strain_points(each) for each in (stage, known))
     for name, places in points.items():
         away, place = cKDTree(back(places).T).query(same[name].T)
-        assert away.max() <= _SAME * size
+        assert np.max(away) <= _SAME * size
         strain[name] = own.strain[name].ravel()[place].reshape(own.strain[name].shape)
     return Configuration(nodes, strain)
 
