@@ -8,7 +8,7 @@ dilatant contact points are cones of G, the others half-lines. What has several 
 has cones of its own (`backends._embedding.pressed`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from backends._embedding.pressed import Apex, Planes, alone
 from backends._embedding.rows import Rows
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.interleaving import interleaved
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.state import ProgramState
 
 
@@ -108,11 +108,10 @@ class Translation:
     """A program at a frozen contact as arrays, and states of what is found of them."""
 
     def __init__(self, program: KinematicProgram, contact: FrozenContact, loops: Loops) -> None:
-        points, dim = program.contact, program.contact.tangent_dim
-        self._program, self._contact = program, contact
+        self._program, self._contact, self._loops = program, contact, loops
         self._rubs = np.isfinite(contact.bound) & (contact.bound > 0)
         # Where no opening is possible a cone would have no inside: slip that dilates is none.
-        self._shut = shut = ~_filled(points.normal)
+        self._shut = shut = ~_filled(program.contact.normal)
         self._held = shut & (contact.dilatancy > 0) & (contact.shift == 0)
         self._sticks = np.isinf(contact.bound) | self._held
         self._dilates = (contact.dilatancy > 0) & ~self._held
@@ -124,59 +123,13 @@ class Translation:
         ]
         self._changes = [_filled(group.volumetric) for group in plain]
         self._pointed = [alone(group) for group in soils]
-        self._apexes = [Apex(group) for group, own in zip(soils, self._pointed, strict=True) if own]
-
-        def rows(matrix: Sparse, dim: int, weights: Floats) -> Rows:
-            return Rows.of(_rowwise(matrix), dim, weights, loops)
-
-        def slip(mask: Bools) -> Sparse:
-            return _picked(points.tangential, dim, mask)
-
-        costly = [
-            Costly(
-                rows(_picked(group.rows, group.dim, own), group.dim, group.weights[own]),
-                group.bound[own] if group.surfaces is None else np.zeros(int(own.sum())),
-                group.rise[own] / group.weights[own],
-                group.weights[own],
-            )
-            for group, own in zip(program.groups, self._carries, strict=True)
-        ]
-        rubs, steady, dilates = self._rubs, self._plain, self._dilates
-        weights, none = points.weights, np.zeros(int(rubs.sum()))
-        rubbing = rows(slip(rubs), dim, weights[rubs])
-        costly.append(Costly(rubbing, contact.bound[rubs], none, weights[rubs]))
-
-        shift = weights * contact.shift
-        lifting = rows(_picked(points.normal, 1, steady), 1, weights[steady])
-        leading = csr_matrix((0, program.n))
-        if dilates.any():
-            steep = np.repeat(contact.dilatancy[dilates], dim)
-            sliding = csr_matrix(slip(dilates).multiply(steep[:, None]))
-            leading = interleaved(_picked(points.normal, 1, dilates), 1, sliding, dim)
-        free = [
-            Free(lifting, shift[steady][None]),
-            Free(rows(leading, 1 + dim, weights[dilates]), _led(shift[dilates], dim)),
-        ]
-        volumes = [
-            rows(_picked(group.volumetric, 1, own), 1, group.volume_weights[own]).matrix
-            for group, own in zip(plain, self._changes, strict=True)
-        ]
-        dead = program.dead_load.copy()
-        pointed = [group for group, own in zip(soils, self._pointed, strict=True) if own]
-        for group, one in zip(pointed, self._apexes, strict=True):
-            both = interleaved(one.lead, 1, group.rows, group.dim)
-            offset = _led(group.weights * one.offset, group.dim)
-            free.append(Free(rows(both, 1 + group.dim, group.weights), offset, True))
-            dead -= one.cost
-        self._planes = [
-            Planes.of(group, loops)
-            for group, own in zip(soils, self._pointed, strict=True)
-            if not own
-        ]
-        sticks = self._sticks
-        stuck = rows(slip(sticks), dim, weights[sticks]).matrix
-        equal = csr_matrix(vstack([*volumes, stuck]))
-        self._ends = np.cumsum([part.shape[0] for part in volumes])
+        sorted_ = list(zip(soils, self._pointed, strict=True))
+        pointed = [group for group, own in sorted_ if own]
+        self._apexes = [Apex(group) for group in pointed]
+        self._planes = [Planes.of(group, loops) for group, own in sorted_ if not own]
+        costly = [*self._strained(), self._rubbing()]
+        free = [self._lifting(), self._leading(), *map(self._pressing, pointed, self._apexes)]
+        equal = self._equal(plain)
         # What there is none of costs as many calls as what there is much of.
         every = [one.rows for one in costly] + [kind.rows for kind in free]
         self._empty = [rows.count == 0 for rows in every]
@@ -188,11 +141,68 @@ class Translation:
             tuple(self._planes),
             Rows.of(equal, 1, np.ones(equal.shape[0]), loops),
             program.reference_load,
-            dead,
+            sum((-one.cost for one in self._apexes), program.dead_load.copy()),
             float(np.abs(program.dead_load).sum()),
             _typical([one.cost for one in costly]),
             np.zeros(0, dtype=np.int64),
         )
+
+    def _rows(self, matrix: Sparse, dim: int, weights: Floats) -> Rows:
+        return Rows.of(_rowwise(matrix), dim, weights, self._loops)
+
+    def _slip(self, mask: Bools) -> Sparse:
+        points = self._program.contact
+        return _picked(points.tangential, points.tangent_dim, mask)
+
+    def _strained(self) -> Iterator[Costly]:
+        """Yield the strain rates of each group that carry something."""
+        for group, own in zip(self._program.groups, self._carries, strict=True):
+            rows = self._rows(_picked(group.rows, group.dim, own), group.dim, group.weights[own])
+            bound = group.bound[own] if group.surfaces is None else np.zeros(int(own.sum()))
+            yield Costly(rows, bound, group.rise[own] / group.weights[own], group.weights[own])
+
+    def _rubbing(self) -> Costly:
+        """Return the slip against friction."""
+        rubs, dim = self._rubs, self._program.contact.tangent_dim
+        weights, none = self._program.contact.weights[rubs], np.zeros(int(rubs.sum()))
+        rows = self._rows(self._slip(rubs), dim, weights)
+        return Costly(rows, self._contact.bound[rubs], none, weights)
+
+    def _lifting(self) -> Free:
+        """Return the opening of points that do not dilate."""
+        points, steady = self._program.contact, self._plain
+        weights = points.weights[steady]
+        rows = self._rows(_picked(points.normal, 1, steady), 1, weights)
+        return Free(rows, (points.weights * self._contact.shift)[steady][None])
+
+    def _leading(self) -> Free:
+        """Return the opening of points that dilate, which leads their slip."""
+        points, dilates = self._program.contact, self._dilates
+        dim, weights = points.tangent_dim, points.weights[dilates]
+        leading = csr_matrix((0, self._program.n))
+        if dilates.any():
+            steep = np.repeat(self._contact.dilatancy[dilates], dim)
+            sliding = csr_matrix(self._slip(dilates).multiply(steep[:, None]))
+            leading = interleaved(_picked(points.normal, 1, dilates), 1, sliding, dim)
+        shift = (points.weights * self._contact.shift)[dilates]
+        return Free(self._rows(leading, 1 + dim, weights), _led(shift, dim))
+
+    def _pressing(self, group: DissipationGroup, apex: Apex) -> Free:
+        """Return the volumes of a group with a single cone, which lead its strain rates."""
+        both = interleaved(apex.lead, 1, group.rows, group.dim)
+        offset = _led(group.weights * apex.offset, group.dim)
+        return Free(self._rows(both, 1 + group.dim, group.weights), offset, True)
+
+    def _equal(self, plain: Sequence[DissipationGroup]) -> Sparse:
+        """Return E: volumes of groups without surfaces that change, and slip that sticks."""
+        volumes = [
+            self._rows(_picked(group.volumetric, 1, own), 1, group.volume_weights[own]).matrix
+            for group, own in zip(plain, self._changes, strict=True)
+        ]
+        self._ends = np.cumsum([part.shape[0] for part in volumes])
+        points, sticks = self._program.contact, self._sticks
+        stuck = self._rows(self._slip(sticks), points.tangent_dim, points.weights[sticks]).matrix
+        return csr_matrix(vstack([*volumes, stuck]))
 
     def alike(self, contact: FrozenContact) -> bool:
         """Whether another frozen contact comes to the same rows."""
