@@ -157,7 +157,8 @@ class Walk:
         self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
-            pressing = tuple(self._contacts(moment.at, TOUCH * self.size))
+            obstacles, bodies = self.stage.obstacles_at(moment.at), self.stage.bodies_at(moment.at)
+            pressing = tuple(contacts(obstacles, bodies, TOUCH * self.size))
             load = Finding(Kind.LOAD_FACTOR, values={"load_factor": found.load_factor})
             where = [Finding(Kind.CONTACTS, pressing, {}, Severity.DETAIL)] if pressing else []
             raise PathEndError(Ending.LOCKED, *where, load)
@@ -179,9 +180,6 @@ class Walk:
             raise PathEndError(Ending.STANDSTILL, slow)
         return found, speed
 
-    def _contacts(self, at: Configuration, within: float) -> list[str]:
-        return contacts(self.stage.obstacles_at(at), self.stage.bodies_at(at), within)
-
     def require_safe(self, here: Here, distance: float) -> None:
         """Dead loads must not collapse the bodies as strong as they are now.
 
@@ -201,10 +199,10 @@ class Walk:
             raise PathEndError(Ending.NOT_SOLVED, why)
 
     def timed(
-        self, here: Here, at: Configuration, distance: float, share: float, speed: float
+        self, here: Here, at: Configuration, distance: float, share: float
     ) -> tuple[Flow, float]:
         """The flow of a step that covers a distance, from a first guess of the speed."""
-        speed = speed * min(max(here.growth, 0.5), 2.0)
+        speed = here.speed * min(max(here.growth, 0.5), 2.0)
         found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
         for _ in range(_GUESSES):
             program = found.state.discretisation.program
@@ -234,11 +232,8 @@ Scheme = Callable[[Walk, Here, float], Stride]
 
 def explicit(walk: Walk, here: Here, distance: float) -> Stride:
     """Solved where the step begins; hardening within the step is not seen."""
-    found, speed = walk.timed(here, here.configuration, distance, 0.0, here.speed)
-    duration = distance / speed
-    strained = _scaled(found.strain_rate, duration)
-    error = _change(walk, here, found, distance, speed)
-    return Stride(found, found, here.travel, duration, strained, speed, error)
+    found, speed = walk.timed(here, here.configuration, distance, 0.0)
+    return _stride(walk, here, found, speed, distance, here.travel)
 
 
 def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
@@ -255,18 +250,11 @@ def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
     middle = here.configuration.moved(
         _scaled(here.velocity, ahead), _scaled(here.strain_rate, ahead)
     )
-    known = replace(
-        here,
-        configuration=here.configuration.moved(
-            _scaled(here.velocity, 0.0), _scaled(here.strain_rate, before * ahead)
-        ),
-    )
-    found, speed = walk.timed(known, middle, distance, (1 - before) / 2, here.speed)
-    duration = distance / speed
-    strained = _scaled(found.strain_rate, duration)
-    error = _change(walk, here, found, distance, speed)
-    at = here.travel + distance / 2
-    return Stride(found, found.lasting(duration), at, duration, strained, speed, error)
+    still, strained = _scaled(here.velocity, 0.0), _scaled(here.strain_rate, before * ahead)
+    known = replace(here, configuration=here.configuration.moved(still, strained))
+    found, speed = walk.timed(known, middle, distance, (1 - before) / 2)
+    stride = _stride(walk, here, found, speed, distance, here.travel + distance / 2)
+    return replace(stride, load=found.lasting(stride.duration))
 
 
 def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
@@ -290,10 +278,17 @@ def implicit_euler(walk: Walk, here: Here, distance: float) -> Stride:
     """Solved at the end, which it finds by iteration."""
     here = _started(walk, here, distance)
     found, speed = _settled(walk, here, distance, 1.0)
+    return _stride(walk, here, found, speed, distance, here.travel + distance)
+
+
+def _stride(
+    walk: Walk, here: Here, found: Flow, speed: float, distance: float, at: float
+) -> Stride:
+    """A step that moves the bodies by a flow, which is also its load, for the travel `at`."""
     duration = distance / speed
     strained = _scaled(found.strain_rate, duration)
     error = _change(walk, here, found, distance, speed)
-    return Stride(found, found, here.travel + distance, duration, strained, speed, error)
+    return Stride(found, found, at, duration, strained, speed, error)
 
 
 SCHEMES: Mapping[str, Scheme] = {
@@ -336,7 +331,7 @@ def _started(walk: Walk, here: Here, distance: float) -> Here:
     """At the beginning of a path, with the velocity there."""
     if here.velocity is not None:
         return here
-    found, speed = walk.timed(here, here.configuration, distance, 0.5, here.speed)
+    found, speed = walk.timed(here, here.configuration, distance, 0.5)
     return Here(
         here.step, here.travel, here.configuration, found.velocity, found.strain_rate, speed
     )
