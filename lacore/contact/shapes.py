@@ -19,7 +19,7 @@ from lacore.arrays import Floats
 from lacore.contact.obstacles import Plane
 from lacore.contact.profiles import Arcs, InnerCorner, Lines, Profile, corner, no_arcs
 from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_positive
-from lacore.reporting.text import Quantity, text
+from lacore.reporting.text import Quantity, Term, text
 from lacore.showing import Compact
 
 __all__ = ["Disc", "Outline", "Wedge", "disc", "outline", "plane", "read_outline", "wedge"]
@@ -267,7 +267,10 @@ def wedge(tip: Point, half_angle: float, axis: Point = (0, 1)) -> Wedge:
             "shapes.wedge.half_angle",
             half_angle,
             "not an angle between 0 and 90 degrees",
-            "give the angle between the axis and a face; a flat tool is la.shapes.plane",
+            text(
+                "give the angle between the axis and a face; a flat tool is {}",
+                Term("la.shapes.plane", 'tool = "plane"'),
+            ),
         )
     _require_direction("shapes.wedge.axis", axis)
     x, y = _place("shapes.wedge.tip", tip).tolist()

@@ -243,13 +243,15 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
     falls = history["factor"][history["load_factor"] < 1]
     upper = float(falls.min()) if falls.size else nan
     if isnan(lower) and upper <= _STRONGEST:
-        fix = "add supports, or less load" + ", or take `interfaces=True`" * (not interfaces)
+        friction = Term(", or take `interfaces=True`", ", or take --interfaces")
+        fix = text("add supports, or less load{}", "" if interfaces else friction)
         why = f"it is not carried with strengths {1 / upper:.0f} times as large: friction decides"
         raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, fix)
     ends = tuple(states[factor] for factor in (lower, upper) if factor in states)
     if not ends:
         why = f"none of {len(rows)} states of weakened strengths is certified"
-        fix = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
+        command = Term("`lacore.solve`", "`lacore solve` without --safety")
+        fix = text("see what {} reports, and take a finer mesh or another backend", command)
         raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, fix)
     found = ends[-1].findings if ends[-1].status is Status.SOLVED else ()
     return SafetyFactor(lower, upper, history, problem, found, ends, interfaces)

@@ -32,6 +32,14 @@ from lacore.meshes.solid.roundness import outline_of
 from lacore.reporting.text import Term, join, text
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
+_TRIANGLES = Term(
+    "skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated', or"
+    " space='p2-gauss' on a MeshTri2; of quadrilaterals: mesh.to_meshtri(style='x'), or"
+    " space='q2')",
+    'mesh of triangles (of quadrilaterals: space = "q2")',
+)
+_QUADRILATERALS = Term("skfem.MeshQuad", 'mesh of shape = "quadrilaterals"')
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -283,11 +291,9 @@ def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> Non
         triangles = space.mesh is MeshTri1
         wanted = "straight-edged triangles" if triangles else "quadrilaterals"
         fix = (
-            "give a skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated',"
-            " or space='p2-gauss' on a MeshTri2;"
-            " of quadrilaterals: mesh.to_meshtri(style='x'), or space='q2')"
+            text("give a {}", _TRIANGLES)
             if triangles
-            else "give a skfem.MeshQuad, or another space"
+            else text("give a {}, or another space", _QUADRILATERALS)
         )
         raise InputError(
             "Body.mesh",

@@ -249,7 +249,10 @@ def require_own_travel(control: ToolTravel, tools: Tooling) -> None:
             raise InputError(
                 f"ToolTravel.velocity[{name!r}]",
                 own,
-                "not the velocity of a lacore.Tool of this name"
+                "not the velocity of a tool of this name"
                 + ("" if known is None else f", which is {tuple(known.tolist())}"),
-                "leave out the control, and give all tools as lacore.Tool(..., velocity=(x, y))",
+                text(
+                    "leave out the control, and give all tools {}",
+                    Term("as lacore.Tool(..., velocity=(x, y))", "velocity = [x, y]"),
+                ),
             )
