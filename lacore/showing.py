@@ -34,17 +34,24 @@ class Facts:
     """What there is to say of an object at a glance.
 
     Attributes:
-        title: what it is, and what it came to.
+        title: What came out, in one line.
         told: at most five more, by name.
+        kind: Name of the class, which precedes the title.
     """
 
     title: str
     told: Mapping[str, str]
+    kind: str = ""
+
+    @property
+    def heading(self) -> str:
+        """The first line: kind and title."""
+        return ": ".join(filter(None, (self.kind, self.title)))
 
     def __str__(self) -> str:
         """A line each."""
         column = max(map(len, self.told), default=0)
-        lines = [self.title, *(f"  {name:<{column}}  {text}" for name, text in self.told.items())]
+        lines = [self.heading, *(f"  {name:<{column}}  {text}" for name, text in self.told.items())]
         return "\n".join(cut(line, _WIDTH) for line in lines)
 
     def html(self) -> str:
@@ -54,7 +61,7 @@ class Facts:
             f'<td style="{_TEXT}">{escape(cut(text, _LONGEST))}</td></tr>'
             for name, text in self.told.items()
         )
-        head = f'<div style="font-weight:bold">{escape(cut(self.title, _LONGEST))}</div>'
+        head = f'<div style="font-weight:bold">{escape(cut(self.heading, _LONGEST))}</div>'
         return f'{head}<table style="border:none;margin:0">{rows}</table>'
 
 

@@ -114,7 +114,7 @@ class Problem(Shown):
         for kind, own in zip(kinds, list(parts.values())[1:], strict=True):
             counts += [counted(len(own), kind)] if own else []
         told = {kind: listed(own) or "none" for kind, own in parts.items()}
-        return Facts(f"Problem: {', '.join(counts)}", told)
+        return Facts(", ".join(counts), told, "Problem")
 
     def picture(self) -> Picture:
         """As `plot` draws it."""

@@ -20,6 +20,8 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
 from lacore.questions.kept import folder_of
+from lacore.reporting.findings import Finding, texts
+from lacore.reporting.kinds import Kind
 from lacore.showing import Compact, Facts, Picture, Shown, listed
 
 if TYPE_CHECKING:
@@ -145,15 +147,22 @@ class Critical(Shown):
         return tuple(self.table["parameter"][self.table["load_factor"].isna()])
 
     @property
-    def message(self) -> str:
-        """The status in words, and what else was seen."""
-        said = self.status.value
+    def findings(self) -> tuple[Finding, ...]:
+        """Further crossings, and values without a certified load factor."""
+        found = []
         if len(self.crossings) > 1:
-            more = ", ".join(_told(own) for own in self.crossings[1:])
-            said += f"; the first of {len(self.crossings)} that were seen: also {more}"
+            others = ", ".join(_told(own) for own in self.crossings[1:])
+            values = {"count": len(self.crossings), "others": others}
+            found.append(Finding(Kind.OTHER_CROSSINGS, values=values))
         if self.failed and self.status is not Search.NOT_CERTIFIED:
-            said += f"; not certified at {listed([f'{value:.6g}' for value in self.failed])}"
-        return said
+            places = listed([f"{value:.6g}" for value in self.failed])
+            found.append(Finding(Kind.NOT_CERTIFIED_AT, values={"places": places}))
+        return tuple(found)
+
+    @property
+    def message(self) -> str:
+        """Text of the status and of the findings."""
+        return "; ".join(filter(None, (self.status.value, texts(self.findings))))
 
     def facts(self) -> Facts:
         """The value, between what, and what proves it."""

@@ -22,6 +22,8 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.sharing import solved
 from lacore.questions.worth import proven, worth
+from lacore.reporting.findings import Finding, Severity, texts
+from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.status import Rigor, Status
@@ -65,25 +67,28 @@ class LoadCases(Shown):
         return tuple(self.table["case"][~_known(self.table)])
 
     @property
-    def message(self) -> str:
-        """Which case governs, how sure that is, and which have failed."""
+    def findings(self) -> tuple[Finding, ...]:
+        """Which case governs, whether that is proven, and which cases have failed."""
+        failed = {"cases": listed(self.failed)}
         if not self.governing:
-            return f"no case is certified: {listed(self.failed)}"
-        said = f"{self.governing!r} governs"
+            return (Finding(Kind.NO_CASE, values=failed, severity=Severity.WARNING),)
+        case = (self.governing,)
         if self.failed:
-            said += f" of those that are certified; not certified: {listed(self.failed)}"
-        elif not self.sure:
-            below = self.table["lower"] < self._least["upper"]
-            others = self.table["case"][below | self.table["governs"]]
-            named = listed([repr(name) for name in others])
-            said = f"one of {named} governs: brackets overlap"
-            if not np.isnan(self._least["load_factor"]):
-                said = (
-                    f"{self.governing!r} has the least load factor; that it governs is not proven"
-                    f" against {listed([repr(one) for one in others if one != self.governing])}:"
-                    f" take target_width for deformable bodies, lacore.coulomb_range for friction"
-                )
-        return said
+            return (Finding(Kind.GOVERNS_OF_CERTIFIED, case, failed, Severity.WARNING),)
+        if self.sure:
+            return (Finding(Kind.GOVERNS, case),)
+        below = self.table["lower"] < self._least["upper"]
+        every = list(self.table["case"][below | self.table["governs"]])
+        if np.isnan(self._least["load_factor"]):
+            named = {"cases": listed([repr(one) for one in every])}
+            return (Finding(Kind.ONE_GOVERNS, tuple(every), named, Severity.WARNING),)
+        others = {"cases": listed([repr(one) for one in every if one != self.governing])}
+        return (Finding(Kind.LEAST_CASE, case, others, Severity.WARNING),)
+
+    @property
+    def message(self) -> str:
+        """Text of the findings."""
+        return texts(self.findings)
 
     @property
     def _least(self) -> pd.Series[Any]:
@@ -91,19 +96,19 @@ class LoadCases(Shown):
 
     def facts(self) -> Facts:
         """Which case governs, and its load factor."""
-        title = f"LoadCases: {counted(len(self.table), 'case')}, none is certified"
+        title = f"{counted(len(self.table), 'case')}, none is certified"
         if self.governing:
             row = self._least
             size = f"load factor {row['load_factor']:.7g}"
             if np.isnan(row["load_factor"]):
                 size = f"{row['lower']:.7g} <= load factor <= {row['upper']:.7g}"
-            title = f"LoadCases: {self.governing!r} governs {len(self.table)} cases, {size}"
+            title = f"{self.governing!r} governs {len(self.table)} cases, {size}"
         told = {"status": self.message}
         if self.governing:
             told["rigor"] = str(self._least["rigor"])
         told["cases"] = listed(list(self.table["case"]))
         told["solved by"] = f"{counted(len(self.table), 'case')} in {self.solve_time:.3g} s"
-        return Facts(title, told)
+        return Facts(title, told, "LoadCases")
 
     def picture(self) -> Picture:
         """Load factors by case."""

@@ -19,6 +19,8 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
 from lacore.questions.kept import folder_of
+from lacore.reporting.findings import Finding, texts
+from lacore.reporting.kinds import Kind
 from lacore.showing import Facts, Picture, Shown, listed
 
 if TYPE_CHECKING:
@@ -58,18 +60,21 @@ class WorstPosition(Shown):
         return tuple(self.table["parameter"][self.table["load_factor"].isna()])
 
     @property
-    def message(self) -> str:
+    def findings(self) -> tuple[Finding, ...]:
         """What is certified, and what is not."""
         if np.isnan(self.load_factor):
-            return "no position has a certified load factor"
-        said = (
-            f"the lowest of {len(self.table)} positions, certified; lower load factors between the"
-            f" positions, which are at most {self.spacing:.3g} apart, are not excluded"
-        )
-        if self.failed:
-            places = listed([f"{place:.6g}" for place in self.failed])
-            said += f"; not certified at {places}"
-        return said
+            return (Finding(Kind.NO_POSITION),)
+        values = {"count": len(self.table), "spacing": self.spacing}
+        lowest = Finding(Kind.LOWEST_POSITION, values=values)
+        if not self.failed:
+            return (lowest,)
+        places = listed([f"{place:.6g}" for place in self.failed])
+        return lowest, Finding(Kind.NOT_CERTIFIED_AT, values={"places": places})
+
+    @property
+    def message(self) -> str:
+        """Text of the findings."""
+        return texts(self.findings)
 
     def facts(self) -> Facts:
         """The position, and what is proven of it."""

@@ -142,7 +142,8 @@ class CoulombRange(Reported, Shown):
         if self.lowest is not None:
             told["size"] = self.lowest.discretisation.contents
         told |= {"stopped": self.stopped} if self.stopped else {}
-        return Facts(f"CoulombRange: Coulomb load factors {found}{short(self.stopped)}", told)
+        title = f"Coulomb load factors {found}{short(self.stopped)}"
+        return Facts(title, told, "CoulombRange")
 
     def picture(self) -> Picture | None:
         """The mechanism of the lowest load factor."""

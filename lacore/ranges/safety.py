@@ -134,7 +134,8 @@ class SafetyFactor(Shown):
             "solved by": counted(len(self.history), kind) + self._failed,
         }
         told |= {"note": self.note} if self.note else {}
-        return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}{ends}", told)
+        title = f"{self.lower:.6g} <= F <= {self.upper:.6g}{ends}"
+        return Facts(title, told, "SafetyFactor")
 
 
 @typed()

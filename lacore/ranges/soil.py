@@ -124,7 +124,7 @@ class SoilRange(Reported, Shown):
         if self.lowest is not None:
             told["size"] = self.lowest.discretisation.contents
         told |= {"stopped": self.stopped} if self.stopped else {}
-        return Facts(f"SoilRange: {found}{short(self.stopped)}", told)
+        return Facts(f"{found}{short(self.stopped)}", told, "SoilRange")
 
     @property
     def _certified(self) -> pd.DataFrame:

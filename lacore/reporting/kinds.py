@@ -197,6 +197,23 @@ class Kind(Enum):
         " steps, and {least} or more after the first one are needed"
     )
 
+    # Analyses
+    OTHER_CROSSINGS = "the first of {count} that were seen: also {others}"
+    NOT_CERTIFIED_AT = "not certified at {places}"
+    NO_POSITION = "no position has a certified load factor"
+    LOWEST_POSITION = (
+        "the lowest of {count} positions, certified; lower load factors between the positions,"
+        " which are at most {spacing:.3g} apart, are not excluded"
+    )
+    NO_CASE = "no case is certified: {cases}"
+    GOVERNS = "{where!r} governs"
+    GOVERNS_OF_CERTIFIED = "{where!r} governs of those that are certified; not certified: {cases}"
+    ONE_GOVERNS = "one of {cases} governs: brackets overlap"
+    LEAST_CASE = (
+        "{where!r} has the least load factor; that it governs is not proven against {cases}: take"
+        " target_width for deformable bodies, {terms.COULOMB_RANGE} for friction"
+    )
+
     # Answers
     SOLVE = "its solve: {report}"
     STATUS = "{report}"
@@ -220,6 +237,10 @@ FILES: Mapping[Kind, str] = {
     Kind.VELOCITY_NOT_UNIQUE: (
         "from step {step} on the velocity is one of many, and the loads may drift: see the events,"
         " and add a table [path.selection]"
+    ),
+    Kind.LEAST_CASE: (
+        "{where!r} has the least load factor; that it governs is not proven against {cases}: use"
+        " {terms.LOWER_BOUND} for deformable bodies, {terms.COULOMB_RANGE} for friction"
     ),
     Kind.CELLS_OF_JOINTS: "cells stand for joints that crush",
     Kind.CELLS_FALL: (

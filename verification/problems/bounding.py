@@ -58,11 +58,11 @@ def _safety(given: Given) -> la.SafetyFactor:
 
 
 def _range_said(found: la.CoulombRange | la.SoilRange, units: Units) -> str:
-    return found.facts_for(Reader(units, files=True)).title.partition(": ")[2]
+    return found.facts_for(Reader(units, files=True)).title
 
 
 def _safety_said(found: la.SafetyFactor, units: Units) -> str:
-    ends = found.facts().title.partition(": ")[2]
+    ends = found.facts().title
     return "; ".join(filter(None, (ends, texts(found.findings, Reader(units, files=True)))))
 
 

@@ -10,6 +10,8 @@ from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied
 from lacore.questions.stable import require_dead_loads
+from lacore.reporting.findings import texts
+from lacore.reporting.text import Reader
 from lacore.reporting.units import Units
 from verification.problems.asking import Analysis, Given, Question
 from verification.problems.bounding import AFTER, BOUNDING
@@ -44,8 +46,10 @@ def _cases(given: Given) -> la.LoadCases:
 
 
 def _named(found: la.LoadCases, units: Units) -> str:
-    said = found.facts().title.partition(": ")[2]
-    return f"{said}, proven" if found.sure and not found.failed else f"{said}; {found.message}"
+    said = found.facts().title
+    if found.sure and not found.failed:
+        return f"{said}, proven"
+    return f"{said}; {texts(found.findings, Reader(units, files=True))}"
 
 
 def _by_case(found: la.LoadCases, units: Units) -> dict[str, Any]:

@@ -120,7 +120,7 @@ def described(problem: la.Problem, units: Units) -> Iterator[Block]:
     }
     yield Facts(
         {
-            "problem": problem.facts().title.partition(": ")[2],
+            "problem": problem.facts().title,
             **{kind: "; ".join(own) or "none" for kind, own in said.items()},
             "reference": loads_told(problem, problem.reference_loads, units),
             "dead": loads_told(problem, problem.dead_loads, units),

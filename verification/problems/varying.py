@@ -10,6 +10,7 @@ import lacore as la
 from lacore import views
 from lacore.files.problem.varied import Varied
 from lacore.questions.critical import Search
+from lacore.reporting.findings import texts
 from lacore.reporting.units import Units
 from verification.problems.asking import Analysis, Given
 
@@ -147,8 +148,8 @@ def _proof(found: la.Critical) -> str:
 
 def _others(found: la.Critical) -> str:
     """What else was seen."""
-    _, _, more = found.message.partition(found.status.value)
-    return more
+    more = texts(found.findings)
+    return f"; {more}" if more else ""
 
 
 def _least(own: Along[la.WorstPosition], units: Units) -> str:
