@@ -18,6 +18,9 @@ from lacore.reporting.kinds import FILES, Kind
 from lacore.reporting.text import PYTHON, Quantity, Reader, Term, Text, render
 
 
+_SHOWN = 400  # characters of a text that `repr` shows
+
+
 class Severity(Enum):
     """The role of a finding in its result."""
 
@@ -27,7 +30,7 @@ class Severity(Enum):
     NOTE = "further information"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Finding:
     """One thing that an analysis has to report.
 
@@ -52,6 +55,9 @@ class Finding:
     def __str__(self) -> str:
         return self.text_for(PYTHON)
 
+    def __repr__(self) -> str:
+        return f"Finding({self.kind.name}: {str(self):.{_SHOWN}})"
+
     def record(self) -> dict[str, Any]:
         """Return plain values, as JSON has them."""
         return {
@@ -62,7 +68,7 @@ class Finding:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Message:
     """The text of a status, with the findings of its result.
 
@@ -97,6 +103,9 @@ class Message:
 
     def __str__(self) -> str:
         return self.text_for(PYTHON)
+
+    def __repr__(self) -> str:
+        return f"Message({str(self):.{_SHOWN}})"
 
 
 def fill(template: str, values: Mapping[str, Any], reader: Reader = PYTHON) -> str:

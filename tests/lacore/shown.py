@@ -266,8 +266,8 @@ def inside(thing, seen=None):
     if id(thing) in seen:
         return
     seen[id(thing)] = thing
-    if type(thing).__module__.startswith("lacore"):
-        yield thing
+    if type(thing).__module__.startswith("lacore") and not isinstance(thing, str):
+        yield thing  # a text prints as itself
     if hasattr(thing, "items"):
         parts = [value for _, value in thing.items()]
     elif isinstance(thing, tuple | list):
