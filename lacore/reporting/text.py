@@ -45,7 +45,8 @@ class Quantity:
         pattern = self.pattern or (
             "{}" if len(shown) == 1 else f"({', '.join('{}' for _ in shown)})"
         )
-        return f"{pattern.format(*shown)} {label}".rstrip()
+        gap = "" if label in ("", "°") else " "
+        return f"{pattern.format(*shown)}{gap}{label}"
 
     def _number(self, own: float | str, size: float, in_si: bool) -> str:
         if isinstance(own, str):

@@ -64,6 +64,7 @@ def test_a_template_takes_as_many_values_as_it_has_places():
         (Units("kip", "ft"), Quantity(1e6, "Pa"), "20.88543 ksf"),
         (None, Quantity(1.4433e8, "Pa", ".4g"), "1.443e+08 Pa"),
         (Units("kN"), Quantity(0.5, ""), "0.5"),
+        (Units("kN"), Quantity(30.0, "°"), "30°"),
     ],
 )
 def test_quantities_are_rendered_in_units(units, quantity, shown):
