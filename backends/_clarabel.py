@@ -99,14 +99,14 @@ class ConicSolver:
             standing.solver = None
             # A wall of thousands of blocks that is almost solved is neither locked nor unsafe.
             almost = form.linear and str(found.status) == "AlmostSolved"
-            other = form.traits.presses and not form.traits.gentle
+            other = form.traits.pressure_dependent and not form.traits.gentle
             careful = self._start(
                 form, cost, offset, left, refine=True, equilibrate=almost or other
             )
             again = careful.solve()
             # Of two that are almost solved the closer one.
             both = {str(found.status), str(again.status)} == {"AlmostSolved"}
-            if not (form.traits.presses and both and _left(found) < _left(again)):
+            if not (form.traits.pressure_dependent and both and _left(found) < _left(again)):
                 found = again
         native, steps = str(found.status), int(found.iterations)
         x = np.empty(cost.size)
@@ -152,9 +152,10 @@ class ConicSolver:
         settings.chordal_decomposition_enable = False
         exact = self._penalty is None
         bare = exact and (
-            form.traits.hardens or (form.traits.presses and not (form.traits.gentle or refine))
+            form.traits.hardens
+            or (form.traits.pressure_dependent and not (form.traits.gentle or refine))
         )
-        small = form.linear or form.traits.presses or form.traits.hardens
+        small = form.linear or form.traits.pressure_dependent or form.traits.hardens
         plain = form.traits.even and not form.traits.cornered
         least = 1e-9 if bare and not (refine or plain) else 1e-8
         settings.static_regularization_constant = least if small else 1e-7

@@ -70,7 +70,7 @@ class Traits:
 
     Attributes:
         hardens: whether lengths of strain rates have a quadratic cost.
-        presses: whether strength depends on pressure.
+        pressure_dependent: whether strength depends on pressure.
         gentle: whether somewhere so little that it hardly does.
         cornered: whether somewhere several surfaces bound it.
         even: whether every surface has some strength without pressure, and velocities are those of
@@ -78,7 +78,7 @@ class Traits:
     """
 
     hardens: bool
-    presses: bool
+    pressure_dependent: bool
     gentle: bool
     cornered: bool
     even: bool
@@ -93,7 +93,7 @@ class Traits:
         simple = not (program.hardens or gentle or cornered)
         tied = program.n <= _TIED * sum(group.weights.size for group in program.groups)
         even = bool(surfaces) and strong and simple and tied and exact
-        return cls(program.hardens, program.presses, gentle, cornered, even)
+        return cls(program.hardens, program.pressure_dependent, gentle, cornered, even)
 
 
 @dataclass(frozen=True)

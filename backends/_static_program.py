@@ -231,7 +231,7 @@ class StaticProgram:
                 "expect_infeasible_problem": "yes",
             },
         }
-        if self._program.presses:
+        if self._program.pressure_dependent:
             options["ipopt"].update(_FREE)
         nlp = ca.nlpsol("static", "ipopt", self._problem, {**self._derivatives, **options})
         cost = np.zeros(self._linear.shape[1])

@@ -130,7 +130,7 @@ class AutoSolver:
         # Of blocks alone vertices are degenerate, and one in four ends without progress. Of soils
         # that next to nothing but pressure makes strong it loses a twentieth of a lower bound.
         fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
-        fits &= not (program.presses and _above(program))
+        fits &= not (program.pressure_dependent and _above(program))
         self._quick = _factorises_fast()
         self._leads = _size(program) >= least and fits and self._quick
         self._in_vain = False

@@ -100,7 +100,7 @@ class Ipopt:
     def prepare(self, program: KinematicProgram, options: IpoptOptions) -> PreparedSolver:
         """Penalties, and point functions or the rows of all laws."""
         target = _penalties(program, options)
-        if not program.presses:
+        if not program.pressure_dependent:
             return IpoptSolver(program, options, target)
         limits = options.tolerance, options.max_iterations, options.time_limit
         return BarrierSolver(program, target, Fading(options.reduction, *limits))

@@ -104,7 +104,7 @@ class IpoptStaticSolver:
             iterations += carried.iterations
             if self._collapses(contact, static.velocity(carried)):
                 status, message = Status.UNSAFE, "a mechanism of the dead load proves it"
-        if status is Status.ITERATION_LIMIT and self._program.presses:
+        if status is Status.ITERATION_LIMIT and self._program.pressure_dependent:
             message = _STALLS
         return InnerSolution(
             status=status,

@@ -115,7 +115,7 @@ class Newton:
 
     def prepare(self, program: KinematicProgram, options: NewtonOptions) -> PreparedSolver:
         """Penalties and the rows of all laws, shared by all frozen contacts."""
-        return (PressedSolver if program.presses else NewtonSolver)(program, options)
+        return (PressedSolver if program.pressure_dependent else NewtonSolver)(program, options)
 
 
 @dataclass(frozen=True)

@@ -256,7 +256,7 @@ class KinematicProgram(Compact):
         return any(group.modulus is not None for group in self.groups)
 
     @property
-    def presses(self) -> bool:
+    def pressure_dependent(self) -> bool:
         """Whether the strength of a group depends on pressure."""
         return any(group.surfaces is not None for group in self.groups)
 

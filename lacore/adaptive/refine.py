@@ -118,7 +118,7 @@ def bracket(
     bodies = continua(problem)
     run = _Run(
         list(bodies),
-        any(body.pressed for body in bodies.values()),
+        any(body.pressure_dependent for body in bodies.values()),
         Solver(backend, dict(options or {}), begin + time_limit, jobs),
         target_width,
         begin,
@@ -140,7 +140,7 @@ class _Run:
     """What was asked for, and what is proven so far."""
 
     bodies: list[str]
-    pressed: bool
+    pressure_dependent: bool
     solver: Solver
     target: float
     begin: float
@@ -236,7 +236,8 @@ class _Run:
         affordable = _LOST * close
         width = self.target if self.coulomb else width  # which may stay wide
         width = min(width, close / self.natural)  # dead loads cancel most of what solvers measure
-        loose = width * (_PRESSED[kind] if self.pressed else _LOOSE) * self.sharper.get(kind, 1.0)
+        share = _PRESSED[kind] if self.pressure_dependent else _LOOSE
+        loose = width * share * self.sharper.get(kind, 1.0)
         tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
         return Asked(kind, problem, tolerance, affordable)
 

@@ -113,7 +113,7 @@ def _space(body: Body, name: str, problem: Problem) -> str:
     """
     if body.dimension == 2:
         return BOUNDING
-    if not body.pressed:
+    if not body.pressure_dependent:
         return "p2-disc"
     opens = all(own.form.opens or not own.form.surfaces for own in body.regions)
     held = {own.components for own in problem.supports if own.body == name}

@@ -28,8 +28,8 @@ from lacore.bounds.stresses.admissible import margins, weaker
 from lacore.bounds.stresses.attempt import Attempt, attempt
 from lacore.certificate import Certificate
 from lacore.claims.judged import Ray, judged_claim
-from lacore.errors import CapabilityError, SolveError, typed
-from lacore.inner.preparing import preparing
+from lacore.errors import SolveError, typed
+from lacore.inner.preparing import preparing, require_exact
 from lacore.limit.conversion import in_si, ray_in_si
 from lacore.limit.tables.contact_table import traction_table
 from lacore.problem.problem import Problem
@@ -213,13 +213,7 @@ def lower_bound(
         >>> bound.rigor.name, round(bound.load_factor, 2)  # exact: 2 + pi
         ('LOWER', 4.95)
     """
-    engine = find_backend(backend)
-    read_options(engine, options or {})
-    if engine.capabilities.regularised:
-        raise CapabilityError(
-            f"backend {backend!r} is regularised, and a lower bound needs the multipliers of the"
-            " exact program: take 'clarabel'"
-        )
+    read_options(require_exact(backend, "a lower bound"), options or {})
     begin = time.perf_counter()
     model = problem if isinstance(problem, StaticModel) else static_model(problem)
     bound = _found(model, 0.0, backend, options or {}, begin)

@@ -183,7 +183,7 @@ def upper_bound(
     require_known_strengths(of_kind(given.bodies, Body))
     require_known_forces(given)
     for name, dofs in discretisation.continua.items():
-        if dofs.body.pressed and not dofs.space.strict:
+        if dofs.body.pressure_dependent and not dofs.space.strict:
             raise InputError(
                 f"Problem.bodies[{name!r}].space",
                 dofs.body.space,
@@ -211,7 +211,7 @@ def _candidates(
 ) -> list[tuple[Floats, Bools]]:
     """Admissible velocities near one, shape (n,), and which groups are rigid in them."""
     none = np.zeros(len(program.groups), dtype=bool)
-    if not program.presses:
+    if not program.pressure_dependent:
         nearest = (admissible_velocity(program, velocity), none)
         return [nearest, *_without_noise(program, velocity, admissible_velocity)]
     prepare = prepared_by(state.backend, state.options, good=_INSIDE)

@@ -72,7 +72,7 @@ def dead_collapse(
         return None
     driven, frozen = _driven(program, contact)
     found = [_by_cones(driven, frozen, prepare)]
-    if driven.largest_cone <= 1 and not (driven.hardens or driven.presses):
+    if driven.largest_cone <= 1 and not (driven.hardens or driven.pressure_dependent):
         found.insert(0, _by_lines(driven, frozen))
     for velocity in found:
         if velocity is not None:

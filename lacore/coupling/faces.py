@@ -114,7 +114,7 @@ def faces(program: KinematicProgram, point: ProgramState) -> Iterator[Face]:
 
     None where strength depends on pressure: flow does not fix the stress of a cone.
     """
-    if program.presses:
+    if program.pressure_dependent:
         return
     speeds = _speeds(program, point.velocity)
     known: list[_Branches] = []

@@ -133,7 +133,7 @@ def _told(program: KinematicProgram) -> bool:
 
     Rates that flow has besides (T45) turn over a power that certificates do not count.
     """
-    return program.presses and not dilates_besides(program)
+    return program.pressure_dependent and not dilates_besides(program)
 
 
 class LocalSpeedSolver:

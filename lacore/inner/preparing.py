@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from lacore.backend import TRUE_GAP, Backend, PreparedSolver, find_backend, read_options
+from lacore.errors import CapabilityError
 from lacore.inner.local_speeds import LocalSpeedSolver
 from lacore.inner.rescaling import GOOD, RescalingSolver
 from lacore.inner.strong_bodies import StrongBodySolver
@@ -60,3 +61,23 @@ def prepared_by(name: str, options: Mapping[str, Any], good: float = GOOD) -> Pr
     """
     backend = find_backend(name)
     return preparing(backend, read_options(backend, options), good)
+
+
+def require_exact(name: str, result: str) -> Backend:
+    """Return a backend that is exact.
+
+    Args:
+        name: Of the backend.
+        result: What is to be proven: ``a lower bound``.
+
+    Raises:
+        InputError: There is no such backend.
+        CapabilityError: It is missing or regularised.
+    """
+    backend = find_backend(name)
+    if backend.capabilities.regularised:
+        raise CapabilityError(
+            f"backend {name!r} is regularised and cannot prove {result}: use an exact backend such"
+            " as 'clarabel'"
+        )
+    return backend

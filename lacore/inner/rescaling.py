@@ -247,7 +247,7 @@ class RescalingSolver:
                 break
             forces = part_forces(self._program, best.point)
             # Speeds of pressed soil are local ones, and have units of their own.
-            speeds = not self._program.presses
+            speeds = not self._program.pressure_dependent
             if forces.size == 1 and not speeds:
                 break
             better = PartUnits.of(self._program, forces, best.point.velocity)

@@ -13,14 +13,14 @@ import pandas as pd
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.backend import find_backend, read_options
+from lacore.backend import read_options
 from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
 from lacore.errors import InputError, require_positive, require_whole, typed
-from lacore.inner.preparing import preparing
+from lacore.inner.preparing import preparing, require_exact
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_program
 from lacore.limit.judges.driven_corners import driven_corners
@@ -228,9 +228,9 @@ def coulomb_range(
         on_progress: called with the row of each certified state as it is found.
 
     Raises:
-        InputError: an unknown name, an option out of range, a regularised backend; a target width
-            for a problem that `lacore.bracket` refuses.
-        CapabilityError: the backend is missing, or cannot take the problem.
+        InputError: an unknown name, an option out of range; a target width for a problem that
+            `lacore.bracket` refuses.
+        CapabilityError: the backend is missing, regularised, or cannot take the problem.
 
     Example:
         >>> found = la.coulomb_range(la.examples.column(friction=0.3))
@@ -241,11 +241,7 @@ def coulomb_range(
     require_whole("restarts", restarts)
     require_positive("tolerance", tolerance)
     require_positive("time_limit", time_limit)
-    engine = find_backend(backend)
-    if engine.capabilities.regularised:
-        raise InputError(
-            "backend", backend, "is regularised: it certifies no Coulomb state", "take 'clarabel'"
-        )
+    engine = require_exact(backend, "a Coulomb load factor")
     begin, clock = time.perf_counter(), SolveClock()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)

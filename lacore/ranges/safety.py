@@ -17,14 +17,14 @@ from math import exp, inf, isnan, log, nan
 import numpy as np
 import pandas as pd
 
-from lacore.backend import find_backend
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.regions.lending import largest_strength
 from lacore.bounds.enclosing import has_coulomb, named_criterion
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
-from lacore.errors import CapabilityError, InputError, require_positive, typed
+from lacore.errors import InputError, require_positive, typed
+from lacore.inner.preparing import require_exact
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
@@ -187,9 +187,7 @@ def safety_factor(
         raise InputError("Problem.bodies", list(problem.bodies), why, fix)
     for name, body in bodies.items():
         _check(name, body)
-    if find_backend(backend).capabilities.regularised:
-        why = "is regularised: it proves and certifies no load factor: take 'clarabel'"
-        raise CapabilityError(f"backend {backend!r} {why}")
+    require_exact(backend, "a factor of safety")
     frictional = any(own.form.frictional for body in bodies.values() for own in body.regions)
     if has_coulomb(problem) or frictional:
         return _of_states(problem, interfaces, tolerance, backend)

@@ -13,14 +13,14 @@ import pandas as pd
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.backend import check_capable, find_backend, read_options
+from lacore.backend import check_capable, read_options
 from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.run import Coupled, CouplingOptions, Run
 from lacore.coupling.soil_search import SEARCHES, SoilFound, soil_bounds, soil_states
 from lacore.errors import InputError, is_number, require_positive, typed
-from lacore.inner.preparing import preparing
+from lacore.inner.preparing import preparing, require_exact
 from lacore.inner.rescaling import good_for
 from lacore.limit.outcome import Times, outcome_of
 from lacore.limit.solve import limit_state, solve
@@ -166,9 +166,8 @@ def soil_range(
         on_progress: called with the row of each search as it ends.
 
     Raises:
-        InputError: no soil whose flow is not associated; shares or a tolerance out of range; a
-            regularised backend.
-        CapabilityError: the backend is missing, or cannot take the problem.
+        InputError: no soil whose flow is not associated; shares or a tolerance out of range.
+        CapabilityError: the backend is missing, regularised, or cannot take the problem.
 
     Example:
         >>> sand = la.MohrCoulomb(cohesion=1.0, friction_angle=30.0, dilation_angle=0.0)
@@ -187,11 +186,7 @@ def soil_range(
     listed = isinstance(shares, Sequence) and len(shares) > 0
     if not listed or not all(is_number(share) and 0 < share <= 1 for share in shares):
         raise InputError("shares", shares, "not numbers in (0, 1]", "give (1.0, 0.6, 0.3)")
-    engine = find_backend(backend)
-    if engine.capabilities.regularised:
-        raise InputError(
-            "backend", backend, "is regularised: it certifies no state", "take 'clarabel'"
-        )
+    engine = require_exact(backend, "a load factor")
     begin, clock = time.perf_counter(), SolveClock()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)

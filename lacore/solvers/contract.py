@@ -225,7 +225,7 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
             f"backend {backend.name!r} takes {takes}, this problem has cones of"
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
         )
-    if program.presses and not can.surfaces:
+    if program.pressure_dependent and not can.surfaces:
         fix = (
             "'clarabel-regularised' or 'newton'"
             if can.regularised

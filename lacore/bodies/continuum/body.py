@@ -183,7 +183,7 @@ class Body(Shown):
         return told
 
     @property
-    def pressed(self) -> bool:
+    def pressure_dependent(self) -> bool:
         """Whether the strength of a region depends on pressure."""
         return any(region.form.surfaces for region in self.regions)
 

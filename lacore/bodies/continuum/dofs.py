@@ -145,7 +145,7 @@ class BodyDofs(Compact):
     @property
     def normal_flow(self) -> bool:
         """Whether velocities jump, and normal ones do not by construction: not of soil (T90)."""
-        return self.body.dimension == 3 and self.space.jumps and not self.body.pressed
+        return self.body.dimension == 3 and self.space.jumps and not self.body.pressure_dependent
 
     def parts(self, facets: Ints) -> Ints:
         """The facets themselves: velocities differ from one to the next."""

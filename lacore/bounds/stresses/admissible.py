@@ -27,7 +27,7 @@ def margins(program: KinematicProgram, tolerance: float) -> list[float]:
         return [0.0]
     least = max(_MARGIN, 4 * tolerance)
     shares = [min(factor * least, _WIDEST) for factor in _WIDER]
-    return [*shares, *_LENT] if program.presses else shares
+    return [*shares, *_LENT] if program.pressure_dependent else shares
 
 
 def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:

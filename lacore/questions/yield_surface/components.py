@@ -61,7 +61,7 @@ class Components:
         stated = [self._stated(number) for number in range(len(self.names))]
         for one in stated:
             program = one.program
-            opens = program.contact.count > 0 or program.presses
+            opens = program.contact.count > 0 or program.pressure_dependent
             even = even and not (opens or bool(np.any(program.dead_load)))
             coulomb = bool(program.contact.coulomb.any())
             self.associated = self.associated and not (coulomb or program.frictional)

@@ -68,7 +68,7 @@ def _uniform(stated: Sequence[Discretisation]) -> bool:
     ]
     loads = [load for own in stated for load in own.problem.loads.values()]
     simple = all(map(_same_all_over, loads)) and not any(map(varying, criteria))
-    return simple and not stated[0].frames and not stated[0].program.presses
+    return simple and not stated[0].frames and not stated[0].program.pressure_dependent
 
 
 def _same_all_over(load: Load) -> bool:

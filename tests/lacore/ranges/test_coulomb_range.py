@@ -215,13 +215,17 @@ def test_an_unproven_bound_proves_nothing():
     [
         ({"seed": -1}, "seed"),
         ({"restarts": 0.5}, "restarts"),
-        ({"backend": "newton"}, "backend"),
         ({"time_limit": 0.0}, "time_limit"),
     ],
 )
 def test_bad_input_is_refused(given, field):
     with pytest.raises(la.InputError, match=field):
         la.coulomb_range(wall("wall-1"), **given)
+
+
+def test_a_regularised_backend_proves_no_range():
+    with pytest.raises(la.CapabilityError, match="regularised and cannot prove"):
+        la.coulomb_range(wall("wall-1"), backend="newton")
 
 
 # `state.interval()`, in SI units.

@@ -27,7 +27,7 @@ def velocity_memory(bodies: Mapping[str, Body]) -> float:
     for body in bodies.values():
         if body.dimension == 3:
             mesh, space = body.mesh, spaces_of(body.kinematics)[body.space]
-            if space.jumps and body.pressed:
+            if space.jumps and body.pressure_dependent:
                 count += 3 * (4 if space.degree == 1 else 10) * mesh.nelements
             elif space.jumps:
                 count += 3 * mesh.nfacets * space.degree + 6 * mesh.nelements * (space.degree - 1)
