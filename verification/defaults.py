@@ -10,7 +10,7 @@ TIME_LIMIT = 600.0
 _RAW = {"damping": 1.0, "anderson": 0}
 RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     "paper": ("reaction", {"start": "zero", **_RAW}),
-    **{f"{name}-raw": (name, _RAW) for name in ("reaction", "shift", "kappa")},
+    **{f"{name}-raw": (name, _RAW) for name in ("reaction", "shift")},
 }
 """Loops without damping and acceleration by name; ``paper`` starts from zero reactions, too."""
 

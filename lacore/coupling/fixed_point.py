@@ -30,11 +30,6 @@ def shift_loop(run: Run) -> Coupled:
     return _family_loop(run, "shift", 1.0)
 
 
-def kappa_loop(run: Run) -> Coupled:
-    """Successive approximation on both (T11), damped and accelerated."""
-    return _family_loop(run, "kappa", run.options.kappa)
-
-
 def slip_rate(program: KinematicProgram, state: ProgramState) -> Floats:
     """``||u_t||`` at the contact points, shape (m,)."""
     return np.asarray(np.linalg.norm(program.contact.slip(state.velocity), axis=1))

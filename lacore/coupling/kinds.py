@@ -93,7 +93,6 @@ _KINDS = (
     CouplingKind(CERTIFIED, "lacore.coupling.certified:certified_loop", needs_exact=True),
     CouplingKind(REACTION, "lacore.coupling.fixed_point:reaction_loop"),
     CouplingKind("shift", "lacore.coupling.fixed_point:shift_loop", needs_exact=True),
-    CouplingKind("kappa", "lacore.coupling.fixed_point:kappa_loop", needs_exact=True),
     CouplingKind(
         ASSOCIATED,
         program=_ASSOCIATED,

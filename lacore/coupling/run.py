@@ -55,7 +55,6 @@ class CouplingOptions(Compact):
         anderson: depth of Anderson acceleration, 0 for none.
         tolerance: bar for the residuals of the certificate.
         max_iterations: of the loop, not counting the start.
-        kappa: of the ``kappa`` loop (T11), 0 <= kappa <= 1.
         accepted: bar that is good enough of soils whose flow is not associated, where `tolerance`
             is not reached soon: their residuals may come down slowly (T58). None: none is.
     """
@@ -65,7 +64,6 @@ class CouplingOptions(Compact):
     anderson: int = 10
     tolerance: float = 1e-6
     max_iterations: int = 100
-    kappa: float = 0.5
     accepted: float | None = None
 
     def __post_init__(self) -> None:
@@ -82,8 +80,6 @@ class CouplingOptions(Compact):
             raise InputError(
                 "tolerance", self.tolerance, "proves nothing", f"give at most {_LOOSEST:g}"
             )
-        if not (is_number(self.kappa) and 0 <= self.kappa <= 1):
-            raise InputError("kappa", self.kappa, "outside [0, 1]", "0 is `reaction`, 1 is `shift`")
 
 
 @dataclass(frozen=True, repr=False)

@@ -40,7 +40,6 @@ def solve(
     anderson: int = 10,
     tolerance: float | None = None,
     max_iterations: int | None = None,
-    kappa: float = 0.5,
     options: Mapping[str, Any] | None = None,
     on_iterate: Callable[[Iterate], None] | None = None,
     throw: bool = False,
@@ -54,7 +53,7 @@ def solve(
         problem: the problem, or its discretisation where several backends share it.
         backend: a name from `lacore.backend_names()`.
         coupling: a loop for Coulomb friction, ``certified`` (the default, T12), ``reaction`` (T9;
-            the default and only one of regularised backends), ``shift`` (T10) or ``kappa`` (T11);
+            the default and only one of regularised backends), or ``shift`` (T10);
             or one solve of another problem: ``associated``, friction made associated, or ``stick``,
             no slip, both upper bounds of every Coulomb load factor, or ``frictionless``, a lower
             one (T14); of those of the discrete problem, where bodies deform; or ``davis``,
@@ -62,7 +61,6 @@ def solve(
         start: of the other loops, reactions: ``associated`` ones (T14), or ``zero``.
         damping: of these, share of the new reactions in the next ones, above 0, at most 1.
         anderson: of these, depth of Anderson's acceleration, 0 for none.
-        kappa: of ``kappa``, from 0, which is ``reaction``, to 1, which is ``shift``.
         tolerance: bar for the residuals of the certificate, of all loops; None: 1e-6, and of soils
             whose flow is not associated 5e-5 where that is not reached soon (T58).
         max_iterations: of all loops; None: 100, and 300 of blocks in space, which need more (T74).
@@ -93,7 +91,7 @@ def solve(
     if max_iterations is None:
         in_space = given.dimension == 3
         max_iterations = SOLVES_IN_SPACE if in_space else CouplingOptions.max_iterations
-    loop = CouplingOptions(start, damping, anderson, tolerance, max_iterations, kappa, accepted)
+    loop = CouplingOptions(start, damping, anderson, tolerance, max_iterations, accepted)
     request = Request(
         backend=backend,
         coupling=coupling,

@@ -178,7 +178,7 @@ def states():
             for backend in ("clarabel-regularised", "ipopt")
         ),
         la.solve(wall(), "highs"),
-        *(la.solve(wall(), coupling=name) for name in ("certified", "reaction", "shift", "kappa")),
+        *(la.solve(wall(), coupling=name) for name in ("certified", "reaction", "shift")),
         *(la.solve(wall(), coupling=name) for name in ("associated", "frictionless", "stick")),
         la.solve(wall(), coupling="reaction", max_iterations=1),
         la.solve(wall(), coupling="reaction", start="zero"),

@@ -124,7 +124,7 @@ def compare(
       lacore compare
       lacore compare prandtl-punch deformable-block:sliding --backends clarabel
       lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
-      lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
+      lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift
       lacore compare prandtl-punch --option clarabel.tolerance=1e-2,1e-4,1e-6,1e-8
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace

@@ -91,7 +91,7 @@ def sweep(
     \b
       parameter of the case     mu; steps and scheme of a loading path
       size of the mesh          n, nx
-      setting of the loop       damping, anderson, kappa, start, tolerance, max_iterations
+      setting of the loop       damping, anderson, start, tolerance, max_iterations
       option of the backend     r, eta, bulk, normal, tangential (or K_c, K_n, K_t)
 
     Write param.NAME, size.NAME, setting.NAME or option.NAME if a name has several meanings.

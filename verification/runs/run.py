@@ -25,7 +25,7 @@ class Run:
             `settings` or `options` that are not the default.
         skip: why it is not run after all.
         size: keyword arguments of `Case.build` in place of those of the mesh level.
-        settings: keyword arguments of `la.solve` for the loop: damping, anderson, kappa, ...; of a
+        settings: keyword arguments of `la.solve` for the loop: damping, anderson, ...; of a
             bracket its `target_width`, in place of that of the case.
         options: of the backend, by name.
     """

@@ -160,7 +160,7 @@ def test_weightless_contact_is_not_settled_at_without_load(share):
     problem = green(share)
     state = la.solve(problem)
     assert state.status is la.Status.SOLVED
-    other = la.solve(problem, coupling="kappa")
+    other = la.solve(problem, coupling="shift")
     assert other.status is la.Status.SOLVED
     # Coulomb loads are not unique (T14b); both lie below the associated one, and near it.
     associated = la.solve(problem, coupling="associated").load_factor

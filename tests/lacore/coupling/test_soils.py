@@ -273,7 +273,7 @@ def test_what_a_bound_or_another_loop_needs_is_refused():
         la.coulomb_range(problem)
     with pytest.raises(la.InputError, match="soil_range"):
         _ = la.solve(problem).interval()
-    for coupling in ("reaction", "shift", "kappa"):
+    for coupling in ("reaction", "shift"):
         with pytest.raises(la.InputError, match="take 'certified'"):
             la.solve(problem, coupling=coupling)
     with pytest.raises(la.InputError, match="needs no reduction"):
