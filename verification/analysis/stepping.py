@@ -3,7 +3,7 @@
 import pandas as pd
 
 from verification.analysis.columns import SOLVED, says, table
-from verification.analysis.slopes import BAR, SLOPE_COLUMNS, other_columns, slopes
+from verification.analysis.slope_fits import BAR, SLOPE_COLUMNS, other_columns, slopes
 from verification.case.following import ORDERS
 
 STEPS = "param_steps"

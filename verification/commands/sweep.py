@@ -193,7 +193,7 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 
     # Here, because it takes most of a second that other sweeps need not wait for.
     from verification.analysis.exact import with_exact
-    from verification.analysis.slopes import regularisation_slopes
+    from verification.analysis.slope_fits import regularisation_slopes
 
     joined = with_exact(_results(out, outcomes))
     found = pd.concat([regularisation_slopes(joined, name) for name in varied])

@@ -6,7 +6,7 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 
-from verification.analysis.slopes import fit_slope
+from verification.analysis.slope_fits import fit_slope
 from verification.case.band import BRACKET
 from verification.report.blocks import Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted

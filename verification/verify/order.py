@@ -21,7 +21,7 @@ def order(question: Question, outcomes: Sequence[Outcome]) -> Answer:
     one that is wide would contain any order.
     """
     # Here, because it takes most of a second that other commands need not wait for.
-    from verification.analysis.slopes import fit_slope
+    from verification.analysis.slope_fits import fit_slope
 
     stated = question.case.order_of(question.variant)
     assert stated is not None

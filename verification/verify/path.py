@@ -44,7 +44,7 @@ def _path(outcome: Outcome) -> Answer:
 def steps(question: Question, outcomes: Sequence[Outcome]) -> Answer:
     """Whether the largest error of a path falls as ``steps**-p`` with the p of the scheme."""
     # Here, because it takes most of a second that other commands need not wait for.
-    from verification.analysis.slopes import fit_slope
+    from verification.analysis.slope_fits import fit_slope
 
     stated = question.case.following_of(question.variant)
     expected = ORDERS[stated.scheme]

@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 import lacore as la
 from tests.verification.analysis.analysis_rows import DECADES
 from verification.analysis.exact import with_exact
-from verification.analysis.slopes import fit_slope, refinement_orders, regularisation_slopes, slopes
+from verification.analysis.slope_fits import (
+    fit_slope,
+    refinement_orders,
+    regularisation_slopes,
+    slopes,
+)
 
 R = np.array(DECADES)
 

@@ -11,7 +11,7 @@ from tests.shares import one_in
 from tests.verification.analysis.analysis_rows import DECADES, row_of, sweep
 from verification.analysis.exact import with_exact
 from verification.analysis.extrapolation import lambda_limits, refinement_limits
-from verification.analysis.slopes import refinement_orders, regularisation_slopes
+from verification.analysis.slope_fits import refinement_orders, regularisation_slopes
 from verification.catalogue.catalogue import find
 
 ERRORS = ["error_alpha_reg", "error_lambda"]

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from lacore import InputError
 from lacore.pictures.axis import power
-from verification.analysis.slopes import Slope
+from verification.analysis.slope_fits import Slope
 from verification.report import document, files
 from verification.report.blocks import (
     Details,

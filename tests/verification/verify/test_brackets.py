@@ -16,7 +16,7 @@ import verification.catalogue.plugins as plugins
 from lacore.adaptive.refine import width
 from lacore.meshes.checks import quality
 from tests.verification.command_line import lacore
-from verification.analysis.slopes import fit_slope
+from verification.analysis.slope_fits import fit_slope
 from verification.case import UNKNOWN, Reference
 from verification.case.band import BRACKET, Bracketing
 from verification.catalogue.catalogue import Catalogue, catalogue, find

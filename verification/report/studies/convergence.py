@@ -7,7 +7,7 @@ import pandas as pd
 
 from verification.analysis.columns import groups, problem_columns, solver_columns
 from verification.analysis.exact import with_exact
-from verification.analysis.slopes import refinement_orders, regularisation_slopes
+from verification.analysis.slope_fits import refinement_orders, regularisation_slopes
 from verification.analysis.stepping import STEPS, step_orders
 from verification.report.blocks import Block, Details, Drawing, Gallery, Section, Table, Text
 from verification.report.charts import axes

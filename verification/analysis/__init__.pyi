@@ -1,0 +1,31 @@
+"""Names of the analysis: where each is found, for `__init__` and for type checkers."""
+
+from .effort import costs_of_accuracy as costs_of_accuracy
+from .effort import couplings as couplings
+from .effort import efforts as efforts
+from .exact import with_exact as with_exact
+from .extrapolation import Extrapolation as Extrapolation
+from .extrapolation import LambdaLimit as LambdaLimit
+from .extrapolation import hermite_limit as hermite_limit
+from .extrapolation import lambda_limits as lambda_limits
+from .extrapolation import refinement_limits as refinement_limits
+from .extrapolation import richardson as richardson
+from .pairs import pairwise_outcomes as pairwise_outcomes
+from .profiles import Costs as Costs
+from .profiles import budget_profile as budget_profile
+from .profiles import costs as costs
+from .profiles import data_profile as data_profile
+from .profiles import performance_profile as performance_profile
+from .profiles import rates as rates
+from .profiles import shifted_geometric_means as shifted_geometric_means
+from .sizes import accuracies as accuracies
+from .sizes import answers as answers
+from .sizes import rates_by_size as rates_by_size
+from .sizes import residual_means as residual_means
+from .sizes import separate_residual_means as separate_residual_means
+from .slope_fits import Slope as Slope
+from .slope_fits import fit_slope as fit_slope
+from .slope_fits import refinement_orders as refinement_orders
+from .slope_fits import regularisation_slopes as regularisation_slopes
+from .slope_fits import slopes as slopes
+from .stepping import step_orders as step_orders
