@@ -17,7 +17,6 @@ from lacore.reporting import terms
 from lacore.reporting.kinds import FILES, Kind
 from lacore.reporting.text import PYTHON, Quantity, Reader, Term, Text, render
 
-
 _SHOWN = 400  # characters of a text that `repr` shows
 
 
@@ -56,7 +55,7 @@ class Finding:
         return self.text_for(PYTHON)
 
     def __repr__(self) -> str:
-        return f"Finding({self.kind.name}: {str(self):.{_SHOWN}})"
+        return f"Finding({self.kind.name}: {self!s:.{_SHOWN}})"
 
     def record(self) -> dict[str, Any]:
         """Return plain values, as JSON has them."""
@@ -105,7 +104,7 @@ class Message:
         return self.text_for(PYTHON)
 
     def __repr__(self) -> str:
-        return f"Message({str(self):.{_SHOWN}})"
+        return f"Message({self!s:.{_SHOWN}})"
 
 
 def fill(template: str, values: Mapping[str, Any], reader: Reader = PYTHON) -> str:
