@@ -1,5 +1,7 @@
 """Meshes of wedges that indent a body, and the path on those along the slip lines."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 import shapely
 
 import lacore as la
+from lacore.arrays import Floats
 from lacore.meshes.curved import jacobians
 from lacore.paths.ending import Ending
 from verification.cases import wedge_notch
@@ -46,11 +49,41 @@ def test_the_first_mesh_has_the_shape_of_the_solution(half_angle: float) -> None
 def test_the_force_on_the_first_mesh() -> None:
     """Of one step, which is solved where it begins."""
     given: dict[str, Any] = {"half_angle": 30.0, "cells": 4, "steps": 40, "scheme": "explicit"}
-    case = wedge_notch.path(**given)
-    problem = case.problem(wedge_notch.build(**given))
-    path = la.sequential(problem, 1e-4, 1, "explicit", case.control, tools=case.tools)
+    path = followed(given, 1e-4, 1, 0.0)
     exact = Hill(30).force / 2 * wedge_notch.START
     assert path.history["force"].iloc[0] == pytest.approx(exact, rel=FORCE)
+
+
+@pytest.mark.slow
+def test_friction_is_certified_in_each_step() -> None:
+    """Forces per depth lie between those without friction and with a wedge that sticks."""
+    given: dict[str, Any] = {"half_angle": 45.0, "cells": 4, "steps": 40, "scheme": "leapfrog"}
+    smooth, sticking = (per_depth(followed(given, 1e-4, 1, own)) for own in (0.0, la.STICK))
+    step = wedge_notch.TRAVEL / given["steps"]
+    some, more = followed(given, 3 * step, 3, 0.1), followed(given, step, 1, 0.3)
+    for path in (some, more):
+        assert path.status is Ending.REACHED, path.message
+        assert path.history["gap"].max() < 1e-6
+    assert smooth.max() < per_depth(some).min()
+    assert per_depth(some).max() < per_depth(more).min()
+    assert per_depth(more).max() < sticking.min()
+
+
+def followed(
+    given: Mapping[str, Any], travel: float, steps: int, friction: float | la.Tresca
+) -> la.Path:
+    """The beginning of the path, with friction."""
+    case = wedge_notch.path(**given)
+    problem = case.problem(wedge_notch.build(**given))
+    tools = {name: replace(tool, friction=friction) for name, tool in case.tools.items()}
+    return la.sequential(
+        problem, travel, steps, given["scheme"], case.control, tools=tools, remesh=case.remesh
+    )
+
+
+def per_depth(path: la.Path) -> Floats:
+    """Forces of all steps."""
+    return np.asarray(path.history["force"] / (wedge_notch.START + path.history["travel"]))
 
 
 @pytest.mark.slow
