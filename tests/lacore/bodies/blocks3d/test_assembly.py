@@ -189,6 +189,8 @@ def test_resultants_of_loads(cut):
     top = la.Traction("L", lambda x: x[2] == 2, (1, 0, -1))
     arm = np.array([5 / 6, 5 / 6, 2]) - c
     assert resultant(top) == pytest.approx([3, 0, -3, *np.cross(arm, (3, 0, -3))], abs=1e-12)
+    pressed = la.Pressure("L", lambda x: x[2] == 2, 5.0)
+    assert resultant(pressed) == pytest.approx([0, 0, -15, *np.cross(arm, (0, 0, -15))], abs=1e-12)
 
 
 def test_a_place_in_the_notch_of_a_block_is_no_place_of_it():
