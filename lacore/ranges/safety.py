@@ -208,9 +208,8 @@ def safety_factor(
 
     lower = _end("lower", True, weakened, below, 1.0, tolerance, rows)
     upper = _end("upper", False, weakened, above, lower if lower > 0 else 1.0, tolerance, rows)
-    return SafetyFactor(
-        lower, upper, pd.DataFrame(rows), problem, seen.get(upper, ()), interfaces=interfaces
-    )
+    found, history = seen.get(upper, ()), pd.DataFrame(rows)
+    return SafetyFactor(lower, upper, history, problem, found, interfaces=interfaces)
 
 
 def _together(problem: Problem) -> Problem:
@@ -239,8 +238,7 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
     weakened = partial(_weakened, problem, interfaces=interfaces)
     lower = _end("state", True, weakened, certified, 1.0, tolerance, rows)
     history = pd.DataFrame(rows).drop(columns="proves")
-    falls = history["factor"][history["load_factor"] < 1]
-    upper = float(falls.min()) if falls.size else nan
+    upper = float(min(history["factor"][history["load_factor"] < 1], default=nan))
     if isnan(lower) and upper <= _STRONGEST:
         friction = Term(", or take `interfaces=True`", ", or take --interfaces")
         fix = text("add supports, or less load{}", "" if interfaces else friction)
