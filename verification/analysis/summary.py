@@ -214,15 +214,19 @@ class _Group:
             runs=len(self._ran),
             seconds=float(np.nansum([o.row.solve_time for o in self._ran])),
             verdict=self._verdict,
-            shortfalls=tuple(
-                Shortfall(
-                    o.run.label,
-                    *(o.row.backend, o.row.coupling, o.row.mesh),
-                    *(o.row.verdict, o.row.status, o.row.why),
-                )
-                for o in self.outcomes
-                if o.row.verdict in (FAIL, NO_RESULT, SKIPPED)
-            ),
+            shortfalls=self._shortfalls,
+        )
+
+    @property
+    def _shortfalls(self) -> tuple[Shortfall, ...]:
+        return tuple(
+            Shortfall(
+                o.run.label,
+                *(o.row.backend, o.row.coupling, o.row.mesh),
+                *(o.row.verdict, o.row.status, o.row.why),
+            )
+            for o in self.outcomes
+            if o.row.verdict in (FAIL, NO_RESULT, SKIPPED)
         )
 
     @cached_property

@@ -68,9 +68,8 @@ def judge(
     `refuted` (see `refutation`) is wrong. Without a reference nothing passes.
     """
     if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
-        if refuted:
-            return FAIL, refuted
-        return FAIL if insist else NO_RESULT, f"not solved: {state.message}"
+        verdict = FAIL if refuted or insist else NO_RESULT
+        return verdict, refuted or f"not solved: {state.message}"
     if why := cannot_judge(reference, band):
         return FAIL, why
     if state.status is la.Status.SOLVED and not isfinite(state.load_factor):
@@ -80,6 +79,11 @@ def judge(
         return NO_REFERENCE, why
     if state.coupling in MODELS and state.coupling not in BOUNDS:
         return NO_REFERENCE, "with Davis's reduced strength, which bounds nothing (T55)"
+    return _judge_load(state, reference, band, insist)
+
+
+def _judge_load(state: Judged, reference: Reference, band: Band, insist: bool) -> tuple[str, str]:
+    """Compare the load factor, or the status in its place, with the reference of the coupling."""
     allowed_of = BOUNDS.get(state.coupling, allowed_values)
     if state.coupling == ASSOCIATED and reference.associated is not None:
         reference, allowed_of = reference.of_associated(), allowed_values

@@ -1,5 +1,6 @@
 """Verdicts on paths: their end, their last load, their worst load, their volume."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isnan, nan
 
@@ -42,35 +43,38 @@ def judge_path(
             why = f"regularisation too strong to judge: C is {100 * more:.3g} % of the last load"
             return FAIL if insist else NO_RESULT, why
         band = replace(band, below=band.below + more, above=band.above + more)
-    allowed, largest = allowed_values(reference, band), max(band.below, band.above)
-    found: list[str] = [row.ending]
-    wrong: list[str] = []
-    if not reference.unknown:
-        inside = allowed.holds(row.load_factor)
-        (found if inside else wrong).append(
-            f"last load {row.load_factor:.7g} {'in' if inside else 'not in'} {allowed}"
-        )
-    if stated.exact is not None:
-        text = f"largest error on the way {row.path_error:.3g}, {largest:.3g} allowed"
-        (found if 0 <= row.path_error <= largest else wrong).append(text)
-    if stated.volume != inf and not regularised:
-        text = f"volume changes by {row.volume_change:.2g} a step, {stated.volume:g} allowed"
-        (found if 0 <= row.volume_change <= stated.volume else wrong).append(text)
-    if stated.reading is not None:
-        read = stated.reading
-        inside = read.low <= row.reading <= read.high
-        text = f"{read.name} {row.reading:.4g}, [{read.low:.4g}, {read.high:.4g}] allowed"
-        (found if inside else wrong).append(text)
-    if stated.bounded:
-        slack = SOLVER * row.upper + (max(row.energy, 0.0) if regularised else 0.0)
-        inside = -inf < row.lower - slack <= row.start <= row.upper + slack < inf
-        text = f"begins at {row.start:.5g}, bounds are [{row.lower:.5g}, {row.upper:.5g}]"
-        (found if inside else wrong).append(text)
-    if wrong:
+    checks = list(_checks(row, stated, reference, band))
+    if wrong := [text for right, text in checks if not right]:
         return FAIL, "; ".join(wrong)
+    found = [row.ending, *(text for _, text in checks)]
     if reference.unknown:
         return NO_REFERENCE, "; ".join([*found, "there is no last load to compare with"])
     return PASS, "; ".join(found)
+
+
+def _checks(
+    row: Row, stated: Following, reference: Reference, band: Band
+) -> Iterator[tuple[bool, str]]:
+    """Yield whether each requirement on a path holds, and its numbers."""
+    allowed, largest = allowed_values(reference, band), max(band.below, band.above)
+    regularised = not isnan(row.energy)
+    if not reference.unknown:
+        inside = allowed.holds(row.load_factor)
+        yield inside, f"last load {row.load_factor:.7g} {'in' if inside else 'not in'} {allowed}"
+    if stated.exact is not None:
+        text = f"largest error on the way {row.path_error:.3g}, {largest:.3g} allowed"
+        yield 0 <= row.path_error <= largest, text
+    if stated.volume != inf and not regularised:
+        text = f"volume changes by {row.volume_change:.2g} a step, {stated.volume:g} allowed"
+        yield 0 <= row.volume_change <= stated.volume, text
+    if stated.reading is not None:
+        read = stated.reading
+        text = f"{read.name} {row.reading:.4g}, [{read.low:.4g}, {read.high:.4g}] allowed"
+        yield read.low <= row.reading <= read.high, text
+    if stated.bounded:
+        slack = SOLVER * row.upper + (max(row.energy, 0.0) if regularised else 0.0)
+        text = f"begins at {row.start:.5g}, bounds are [{row.lower:.5g}, {row.upper:.5g}]"
+        yield -inf < row.lower - slack <= row.start <= row.upper + slack < inf, text
 
 
 def largest_error(loads: Floats, exact: Floats) -> float:

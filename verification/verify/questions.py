@@ -12,7 +12,7 @@ from verification.case.case import RANGE
 from verification.catalogue.catalogue import Catalogue
 from verification.runs.run import Run
 from verification.verdicts.bracket import between
-from verification.verify.nature import nature_of
+from verification.verify.nature import Nature, nature_of
 
 CHECKS: Mapping[str, str] = {
     "value": "the load factor lies in the band of the reference",
@@ -201,13 +201,19 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
         elif nature.strict and (nature.normal or coupling) and not reference.unknown:
             yield Question("side", tuple(group))
         yield Question("residuals", tuple(group))
-        first = bool(exact) and backend == exact[0].backend
-        if coupling is None and first and nature.bounded:
-            yield from _bracket(group[0], not nature.normal)
-        if coupling is None and first and nature.ranged:
-            yield Question("range", (replace(group[0], coupling=RANGE),))
-        if coupling is None and (first or (each and not is_regularised(backend))):
-            yield from _ladder(group[0])
+        if coupling is None:
+            first = bool(exact) and backend == exact[0].backend
+            yield from _of_default_loop(group[0], nature, first, each)
+
+
+def _of_default_loop(run: Run, nature: Nature, first: bool, each: bool) -> Iterator[Question]:
+    """Questions on the default loop of a backend, most of them of the `first` exact one only."""
+    if first and nature.bounded:
+        yield from _bracket(run, not nature.normal)
+    if first and nature.ranged:
+        yield Question("range", (replace(run, coupling=RANGE),))
+    if first or (each and not is_regularised(run.backend)):
+        yield from _ladder(run)
 
 
 def _of_path(runs: Sequence[Run]) -> Iterator[Question]:

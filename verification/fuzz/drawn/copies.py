@@ -35,17 +35,7 @@ def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> R
         return [point(end) for end in where] if points else where
 
     for body in made["bodies"].values():
-        if body["kind"] == "continuum":
-            mesh = body["mesh"]
-            mesh["shift"] = point(mesh["shift"])
-            mesh["map"] = (length * turn @ np.array(mesh["map"])).tolist()
-        elif body["kind"] == "blocks":
-            body["polygons"] = {n: [point(p) for p in ps] for n, ps in body["polygons"].items()}
-        else:
-            body["nodes"] = {name: point(place) for name, place in body["nodes"].items()}
-            body["plastic_moment"] = {
-                name: length**2 * moment for name, moment in body["plastic_moment"].items()
-            }
+        _move_body(body, turn, point, length)
     for load in (*made["reference"], *made["dead"]):
         for name in ("vector", "direction"):
             if name in load:
@@ -79,6 +69,23 @@ def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> R
         tools = made["path"].get("tools", {})
         made["path"]["tools"] = {name: vector(speed) for name, speed in tools.items()}
     return made
+
+
+def _move_body(
+    body: dict[str, Any], turn: Floats, point: Callable[[Any], list[float]], length: float
+) -> None:
+    """Move the points of a body of a copied recipe."""
+    if body["kind"] == "continuum":
+        mesh = body["mesh"]
+        mesh["shift"] = point(mesh["shift"])
+        mesh["map"] = (length * turn @ np.array(mesh["map"])).tolist()
+    elif body["kind"] == "blocks":
+        body["polygons"] = {n: [point(p) for p in ps] for n, ps in body["polygons"].items()}
+    else:
+        body["nodes"] = {name: point(place) for name, place in body["nodes"].items()}
+        body["plastic_moment"] = {
+            name: length**2 * moment for name, moment in body["plastic_moment"].items()
+        }
 
 
 def round_one(recipe: Recipe) -> bool:

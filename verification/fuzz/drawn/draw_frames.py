@@ -35,6 +35,31 @@ def frames(rng: Rng) -> Recipe:
     }
     feet = [f"n{i}0" for i in range(bays + 1)]
     upper = [name for name in nodes if name not in feet]
+    supports, interfaces, dead = _held(rng, feet, upper)
+    reference = [_force(rng, nodes, members, upper) for _ in range(int(rng.integers(1, 3)))]
+    if rng.random() < 0.3:
+        dead.append(_pressed_beam(rng, members))
+    return {
+        "bodies": {"frame": frame},
+        "reference": reference,
+        "dead": dead,
+        "supports": supports,
+        "interfaces": interfaces,
+    }
+
+
+def _pressed_beam(rng: Rng, members: dict[str, list[str]]) -> dict[str, Any]:
+    """A downward traction along a beam."""
+    beams = [name for name in members if name[0] == "b" and name != "brace"]
+    where = chosen(rng, beams)
+    pressure = [0.0, -number(rng, 0.05, 0.3)]
+    return {"load": "Traction", "body": "frame", "where": where, "vector": pressure}
+
+
+def _held(
+    rng: Rng, feet: list[str], upper: list[str]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[dict[str, Any]]]:
+    """Supports or frictional contact of the feet, and dead loads that press them down."""
     supports: list[dict[str, Any]] = []
     interfaces: list[dict[str, Any]] = []
     dead: list[dict[str, Any]] = []
@@ -62,39 +87,21 @@ def frames(rng: Rng) -> Recipe:
             }
             for name in upper
         ]
-    reference = []
-    for _ in range(int(rng.integers(1, 3))):
-        if rng.random() < 0.6:
-            reference.append(
-                {
-                    "load": "PointForce",
-                    "body": "frame",
-                    "at": chosen(rng, upper),
-                    "vector": vector(rng),
-                }
-            )
-        else:
-            ends = members[name := chosen(rng, [m for m in members if m[0] == "b"])]
-            share = number(rng, 0.3, 0.7)
-            one, other = (nodes[end] for end in ends)
-            at = [round(a + share * (b - a), 9) for a, b in zip(one, other, strict=True)]
-            del name
-            reference.append(
-                {"load": "PointForce", "body": "frame", "at": at, "vector": [0.0, -1.0]}
-            )
-    if rng.random() < 0.3:
-        beams = [name for name in members if name[0] == "b" and name != "brace"]
-        dead.append(
-            {"load": "Traction", "body": "frame", "where": chosen(rng, beams),
-             "vector": [0.0, -number(rng, 0.05, 0.3)]}
-        )  # fmt: skip
-    return {
-        "bodies": {"frame": frame},
-        "reference": reference,
-        "dead": dead,
-        "supports": supports,
-        "interfaces": interfaces,
-    }
+    return supports, interfaces, dead
+
+
+def _force(
+    rng: Rng, nodes: dict[str, list[float]], members: dict[str, list[str]], upper: list[str]
+) -> dict[str, Any]:
+    """A force at a node, or downwards somewhere on a beam."""
+    if rng.random() < 0.6:
+        at: Any = chosen(rng, upper)
+        return {"load": "PointForce", "body": "frame", "at": at, "vector": vector(rng)}
+    ends = members[chosen(rng, [m for m in members if m[0] == "b"])]
+    share = number(rng, 0.3, 0.7)
+    one, other = (nodes[end] for end in ends)
+    at = [round(a + share * (b - a), 9) for a, b in zip(one, other, strict=True)]
+    return {"load": "PointForce", "body": "frame", "at": at, "vector": [0.0, -1.0]}
 
 
 def _feet(feet: list[str], friction: Any) -> dict[str, Any]:
