@@ -33,7 +33,6 @@ REGULARISED = [
     "clarabel-regularised",
     "ipopt",
     pytest.param("slsqp", marks=SLOW),
-    pytest.param("trust-constr", marks=SLOW),
 ]
 # What else these may say, of a few soils: then they promise nothing but that it is no answer.
 GIVES_UP = {

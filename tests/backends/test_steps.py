@@ -33,7 +33,7 @@ EXACT = [
     pytest.param("cvxpy:SCS", 1e-6, marks=SLOW),
     pytest.param("cvxpy:QOCO", 1e-6, marks=SLOW),
 ]
-REGULARISED = ["clarabel-regularised", "ipopt", "slsqp", "trust-constr"]
+REGULARISED = ["clarabel-regularised", "ipopt", "slsqp"]
 R = 0.03  # what the dense ones reach
 
 

@@ -22,7 +22,6 @@ RUNS = [
     ("ipopt-static", {}, SMALL),
     *[(name, {}, SMALL) for name in ("cvxpy", "cvxpy:ECOS", "cvxpy:QOCO", "interior_point")],
     ("slsqp", {"r": 0.1}, DENSE),
-    ("trust-constr", {"r": 0.1}, DENSE),
 ]
 DEAR = [("newton", {"r": 1e-4}, size) for size in SIZES[-2:]] + [("slsqp", {"r": 0.1}, DENSE)]
 

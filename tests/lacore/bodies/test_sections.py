@@ -90,7 +90,7 @@ def diamond(m_p, n_p):
 
 
 FEET = [(("A", "D"), "clamped")]
-BACKENDS = ("clarabel", "highs", "cvxpy", "trust-constr", "ipopt-static")
+BACKENDS = ("clarabel", "highs", "cvxpy", "ipopt-static")
 
 
 def portal(h, span, m_p, n_p):

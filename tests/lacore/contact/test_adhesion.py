@@ -23,7 +23,7 @@ from tests.lacore.models import obstacle, square
 
 BAR = 1e-6
 EXACT = ("clarabel", "cvxpy", "highs", "ipopt-static")
-SOFTENED = ("newton", "ipopt", "clarabel-regularised", "slsqp", "trust-constr")
+SOFTENED = ("newton", "ipopt", "clarabel-regularised", "slsqp")
 STICKY = la.Coulomb(0.4, adhesion=5.0, tension=4.0)
 WIDE, HIGH, WEIGHT = 2.0, 0.1, 3.0
 

@@ -134,7 +134,7 @@ def test_a_plate_of_the_cone(match, pull):
     assert state.load_factor == pytest.approx(exact, rel=1e-7)
 
 
-@pytest.mark.parametrize("backend", ["trust-constr", "slsqp", "highs"])
+@pytest.mark.parametrize("backend", ["slsqp", "highs"])
 def test_backends_without_surfaces_refuse(backend):
     with pytest.raises(la.CapabilityError, match=r"clarabel|linear programs"):
         la.solve(block(SOIL), backend)

@@ -36,11 +36,7 @@ def examined(name, programs, process):
 
 
 # Of a second and more; those of one like it are fast.
-DEAR = {
-    *(("trust-constr", name) for name in ("unsafe on friction", "repeated solves")),
-    *(("trust-constr", name) for name in ("friction down the slope", "badly scaled")),
-    ("slsqp", "one cone"),
-}
+DEAR = {("slsqp", "one cone")}
 
 
 @pytest.mark.parametrize("backend", la.backend_names())
