@@ -8,6 +8,7 @@ with g_j, d_j, s_j frozen for one inner solve (`FrozenContact`), and h_g = 0 out
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from warnings import warn
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -148,12 +149,9 @@ class FrozenContact(Compact):
         }.items():
             if not np.all(good):
                 value = float(getattr(self, name)[~good][0])
-                raise InputError(
-                    f"contact {name}",
-                    value,
-                    "no solver must see such a number",
-                    "look at the friction laws and at the reactions that it was made of",
-                )
+                fix = "look at the friction laws and at the reactions that it was made of"
+                why = "no solver must see such a number"
+                raise InputError(f"contact {name}", value, why, fix)
 
 
 def reaction_contact(contact: ContactRows, normal_reaction: Floats) -> FrozenContact:
@@ -261,6 +259,12 @@ class KinematicProgram(Compact):
         return any(group.surfaces is not None for group in self.groups)
 
     @property
+    def presses(self) -> bool:
+        """The name of `pressure_dependent` until 0.4."""
+        warn("presses is now pressure_dependent", DeprecationWarning, stacklevel=2)
+        return self.pressure_dependent
+
+    @property
     def frictional(self) -> bool:
         """Whether a group has non-associated flow (T49)."""
         return any(group.frictional for group in self.groups)
@@ -358,12 +362,8 @@ def require_finite(program: KinematicProgram) -> None:
 def require_homogeneous(program: KinematicProgram, field: str, fix: str) -> None:
     """Raise `InputError` for a program of a step of a path: how fast it moves is given there."""
     if not program.homogeneous:
-        raise InputError(
-            field,
-            None,
-            "a state within a step of a path hardens, or closes a distance, at a given speed",
-            fix,
-        )
+        why = "a state within a step of a path hardens, or closes a distance, at a given speed"
+        raise InputError(field, None, why, fix)
 
 
 def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram:
