@@ -342,11 +342,11 @@ def read_outline(
 
     Example:
         >>> import json
-        >>> corners = [[0, 0], [40, 0], [40, 20], [0, 20], [0, 0]]
+        >>> corners = [[0, 0], [500, 0], [500, 250], [0, 250], [0, 0]]
         >>> with open("punch.geojson", "w") as file:
         ...     json.dump({"type": "Polygon", "coordinates": [corners]}, file)
         >>> la.shapes.read_outline("punch.geojson", unit="mm").reference
-        (0.02, 0.01)
+        (0.25, 0.125)
     """
     from lacore.bodies.blocks.drawings.reading import read_outline  # here: it reads many formats
 

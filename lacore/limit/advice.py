@@ -1,5 +1,7 @@
 """Advice on a limit state, which solves further problems."""
 
+from __future__ import annotations
+
 from lacore.coupling.kinds import ASSOCIATED
 from lacore.errors import typed
 from lacore.limit.judges.reached import reached_supports
@@ -23,7 +25,7 @@ def advice(state: LimitState) -> tuple[Finding, ...]:
         state: Of any status; without a certified load factor there is no advice.
 
     Returns:
-        One finding per side with more ground beyond it, the load factor is lower.
+        One finding for each side beyond which more ground lowers the load factor.
 
     Example:
         >>> la.advice(la.solve(la.examples.footing()))

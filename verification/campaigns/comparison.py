@@ -94,8 +94,10 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
         engine = load_backend(backend)
         insist |= coupling == coupling_for(engine, None)
         insist &= not engine.capabilities.regularised
+        name = RAW.get(coupling or "", (coupling, {}))[0]
         try:
-            coupling_for(engine, RAW.get(coupling or "", (coupling, {}))[0])
+            if name in COUPLINGS:  # brackets and ranges choose their own
+                coupling_for(engine, name)
         except la.InputError as error:
             skip = str(error)
     return Run(case, variant, mesh, backend, coupling, insist, skip)

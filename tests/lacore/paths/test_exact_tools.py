@@ -281,7 +281,7 @@ def test_tools_drive_in_place_of_loads_and_by_their_own_velocity():
     loaded = la.Problem(block().bodies, [la.Pressure("block", "top")])
     with pytest.raises(la.InputError, match=r"reference loads, too.*dead_loads"):
         pressed(closing(), problem=loaded)
-    with pytest.raises(la.InputError, match=r"not the velocity of a lacore.Tool.*leave out the"):
+    with pytest.raises(la.InputError, match=r"not the velocity of a tool.*leave out the"):
         pressed(closing(), control=la.ToolTravel({"up": (0, -3)}))
     with pytest.raises(la.InputError, match=r"or tools=\{'name': lacore.Tool"):
         pressed({}, problem=la.Problem(block().bodies, [la.Pressure("block", "top")]))
