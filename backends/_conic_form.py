@@ -351,7 +351,7 @@ class ConicForm:
 def _gains(weights: Floats) -> Floats:
     """Factors of the rows of contact points, 1 of those that are not short, shape (m,).
 
-    A row that is small beside the regularisation of a solver keeps its residual: points of a
+    A row that is small compared with the regularisation of a solver keeps its residual: points of a
     fiftieth of the length of others penetrate by 1e-6 of the largest velocity.
     """
     return np.maximum(1.0, _SHORT * np.median(weights) / weights) if weights.size else weights

@@ -62,7 +62,7 @@ def yielding(
 
 
 def opening(problem: Problem, status: Status) -> Finding | None:
-    """Return the interface that sticks and opens, where a structure comes apart; None without."""
+    """Return the interface that sticks and opens, where a structure separates; None without."""
     sticks = [interface.name for interface in problem.interfaces if interface.law == STICK]
     if not sticks or status not in (Status.FREE, Status.UNSAFE):
         return None

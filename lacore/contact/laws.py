@@ -38,7 +38,7 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
             "Interface.friction",
             interface.law,
             text(
-                "a tension of {}, beside a shear strength of {} in the bodies: nothing would ever"
+                "a tension of {}, and a shear strength of {} in the bodies: nothing would ever"
                 " open",
                 Quantity(law.tension, "Pa", ".4g"),
                 Quantity(strength, "Pa", ".4g"),

@@ -136,7 +136,7 @@ class Coupled(Compact):
             come in a step: the last ratio seen; NaN where there is none.
         bracket: load factors that enclose every Coulomb one of the program (T14), for a loop that
             found none.
-        findings: What the loop has to report beside its status.
+        findings: What the loop reports in addition to its status.
         tolerance: bar that residuals were judged by.
     """
 

@@ -18,8 +18,8 @@ from lacore.status import Rigor, Status
 def advice(state: LimitState) -> tuple[Finding, ...]:
     """Find sides of soils that hold a mechanism back, by solving with more ground beyond them.
 
-    A mechanism that reaches a side through small elements is reported by `lacore.solve`. Beside
-    large elements speeds do not tell, and up to eight larger and finer problems are solved.
+    A mechanism that reaches a side through small elements is reported by `lacore.solve`. Next
+    to large elements velocities do not show this: up to eight larger and finer problems are solved.
 
     Args:
         state: Of any status; without a certified load factor there is no advice.

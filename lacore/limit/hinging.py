@@ -2,8 +2,8 @@
 
 Hinges form at nodes only. Between the places where it is joined or held, a member under a load
 along it has one node midway at first, so that it can break; then nodes where the moments of a state
-exceed the plastic moment, until they nowhere do. Each such state is an upper bound, and its load
-over the largest excess a lower one. With the node off the peak by e the load factor is off by
+exceed the plastic moment, until they exceed it nowhere. Each such state is an upper bound, and its
+load over the largest excess a lower one. With the node off the peak by e the load factor is off by
 O(e^2), and so is the next node: a few rounds give all digits, as Newton's method would.
 """
 
@@ -33,13 +33,13 @@ def with_hinges(
     tolerance: float,
     solved: Callable[[Problem | Discretisation], Outcome],
 ) -> Outcome:
-    """Solve again with nodes where moments exceed the plastic moment, until they nowhere do.
+    """Solve again with nodes where moments exceed the plastic moment, until they exceed it nowhere.
 
     Args:
         given: The problem before any round.
         problem: The problem, or its discretisation.
-        tolerance: Excess that is none, relative.
-        solved: Solves with the nodes that there are.
+        tolerance: Relative excess that is allowed.
+        solved: Solves the problem with its present nodes.
     """
     outcome = solved(problem)
     tolerance = _REGULARISED if outcome.regularised else tolerance
@@ -49,7 +49,7 @@ def with_hinges(
         times, finer = outcome.times, hinged(outcome, given, tolerance)
         outcome = solved(finer)
         outcome = replace(outcome, times=times.plus(outcome.times))
-    if outcome.status is Status.SOLVED and (over := excess(outcome)) > tolerance:
+    if outcome.status is Status.SOLVED and not (over := excess(outcome)) <= tolerance:
         return replace(outcome, excess=over)
     return outcome
 

@@ -1,4 +1,4 @@
-"""Findings: what an analysis has to report beside its numbers, as values instead of text.
+"""Findings: what an analysis reports in addition to its numbers, as values instead of text.
 
 A finding is made where it is seen, kept in the result, and rendered where it is read, in the names
 and units of the reader. Nothing is ever read from a rendered text.

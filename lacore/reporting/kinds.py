@@ -34,13 +34,13 @@ class Kind(Enum):
     OPENS = "{where} sticks, but opens freely: {terms.BOND} in its place carries tension, too"
     CELLS_FALL = (
         "this is proven of the cells of joints that crush: the joints carry more than these; finer"
-        " cells (lacore.Crushing, divisions) tell how much"
+        " cells (lacore.Crushing, divisions) show how much"
     )
     NO_STANDING_WATER = (
         "where free water stands on the ground, it acts on the ground, too: state a StandingWater"
     )
 
-    # What a load factor does not tell
+    # What a load factor does not show
     OTHER_LOAD_FACTORS = (
         "other load factors may exist, because flow is not associated; {terms.SOIL_RANGE} searches"
         " for them"
@@ -54,8 +54,8 @@ class Kind(Enum):
         " `state.stability()`"
     )
     POLYGON = (
-        "it is of the polygon that stands for a curved outline (Body.geometry='approximated'), not"
-        " of the body"
+        "it is of the polygon that approximates a curved outline"
+        " (Body.geometry='approximated'), not of the body"
     )
     SHARED_CORNERS = (
         "contact points with friction meet at a corner, where reactions, and with them the load"
@@ -147,7 +147,7 @@ class Kind(Enum):
     BOUNDS_PROVEN = "both bounds are proven"
     BOUNDS_PROVEN_OF_COULOMB = "both bounds are proven of every Coulomb load factor"
     BOUNDS_OF_POLYGON = (
-        "both bounds are of the polygon that stands for a curved outline"
+        "both bounds are of the polygon that approximates a curved outline"
         " (Body.geometry='approximated'), not of the body"
     )
     BOUNDS_CROSS = "lower bound {lower:.9g} above upper bound {upper:.9g}, width {width:.3%}"
@@ -158,8 +158,8 @@ class Kind(Enum):
     NONE_WITHOUT_FRICTION = "none; without Coulomb friction the dead loads collapse the structure"
     NONE_WITH_ASSOCIATED_FRICTION = "none; with associated friction stresses carry any load"
     NO_BOUND = "no {where} bound: {why}"
-    STRAIGHT_EDGES = "straight edges stand for curved ones"
-    CELLS_OF_JOINTS = "cells stand for joints that crush, which lacore.crushing_bracket encloses"
+    STRAIGHT_EDGES = "straight edges approximate curved ones"
+    CELLS_OF_JOINTS = "cells approximate joints that crush, which lacore.crushing_bracket encloses"
     STEP_OF_PATH = "a state within a step of a path has none"
     STOPPED_IN_RESTART = "by its time limit of {limit:g} s, in restart {done} of {every}"
     STOPPED_AFTER_SEARCHES = "by its time limit of {limit:g} s, after {done} of {every} searches"
@@ -175,7 +175,7 @@ class Kind(Enum):
     SPEED = "the speed of the control is {speed:.3g}"
     STEP_ERROR = "the error of the step is {error:.3g}"
     OTHER_SHAPES = "another scheme, or other steps, meet other shapes on the way, and may go on"
-    STRAIN_TOO_LARGE = "a point would strain by more than a step can bear: take smaller steps"
+    STRAIN_TOO_LARGE = "a point would strain by more than a step allows: take smaller steps"
     REFUSED = "{error}"
     REMESHING_FAILED = "remesh fails: {error}"
     HOOK_FAILED = "hook {hook!r} ({when}) raised {error} ({place})"
@@ -227,11 +227,11 @@ class Kind(Enum):
 
 FILES: Mapping[Kind, str] = {
     Kind.POLYGON: (
-        'it is of the polygon that stands for a curved outline (geometry = "approximated"), not of'
-        " the body"
+        'it is of the polygon that approximates a curved outline (geometry = "approximated"), not'
+        " of the body"
     ),
     Kind.BOUNDS_OF_POLYGON: (
-        "both bounds are of the polygon that stands for a curved outline"
+        "both bounds are of the polygon that approximates a curved outline"
         ' (geometry = "approximated"), not of the body'
     ),
     Kind.VELOCITY_NOT_UNIQUE: (
@@ -242,10 +242,10 @@ FILES: Mapping[Kind, str] = {
         "{where!r} has the least load factor; that it governs is not proven against {cases}: use"
         " {terms.LOWER_BOUND} for deformable bodies, {terms.COULOMB_RANGE} for friction"
     ),
-    Kind.CELLS_OF_JOINTS: "cells stand for joints that crush",
+    Kind.CELLS_OF_JOINTS: "cells approximate joints that crush",
     Kind.CELLS_FALL: (
         "this is proven of the cells of joints that crush: the joints carry more than these; finer"
-        " cells (divisions) tell how much"
+        " cells (divisions) show how much"
     ),
     Kind.LARGER_LOADS: (
         "equilibrium does not exclude larger loads (the associated load factor is +inf): the"

@@ -77,7 +77,7 @@ class Term:
 
     Attributes:
         python: As written in Python.
-        file: As written in a problem file, or on the command line beside it.
+        file: As written in a problem file, or as an option of the command line.
     """
 
     python: str

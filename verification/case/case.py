@@ -39,7 +39,7 @@ class Beside:
     Attributes:
         name: what it is, such as ``Davis's strength``.
         value: in units of the case.
-        source: where it comes from, and what it is worth.
+        source: where it comes from, and what it proves.
         half_width: they say ``value +- half_width``.
     """
 

@@ -1,1 +1,1 @@
-"""Judges of limit states: pure functions that find what a load factor does not tell."""
+"""Judges of limit states: pure functions that find what a load factor does not show."""

@@ -40,7 +40,7 @@ def driving_corners(outcome: Outcome, status: Status) -> Iterator[Finding]:
 
 def moments_inside(outcome: Outcome, status: Status) -> Iterator[Finding]:
     """Moments inside members exceed the plastic moment, however many nodes there are."""
-    if status is Status.SOLVED and outcome.excess > 0:
+    if status is Status.SOLVED and not outcome.excess <= 0:
         yield Finding(Kind.MOMENTS_INSIDE, (), {"excess": outcome.excess}, Severity.REASON)
 
 
@@ -60,7 +60,7 @@ def bracket(outcome: Outcome, status: Status) -> Iterator[Finding]:
 
 
 def polygon(outcome: Outcome, status: Status) -> Iterator[Finding]:
-    """A load factor is that of the polygon that stands for a curved outline."""
+    """A load factor is that of the polygon that approximates a curved outline."""
     bodies = (dofs.body for dofs in outcome.discretisation.continua.values())
     curved = any(body.geometry != "exact" for body in bodies)
     if curved and outcome.rigor(status) is Rigor.DISCRETE:
@@ -93,12 +93,12 @@ def reached(outcome: Outcome, status: Status) -> Iterator[Finding]:
 
 
 def opens(outcome: Outcome, status: Status) -> Iterator[Finding]:
-    """A structure comes apart at an interface that sticks."""
+    """A structure separates at an interface that sticks."""
     yield from _any(opening(outcome.discretisation.problem, status))
 
 
 def larger_loads(outcome: Outcome, status: Status) -> Iterator[Finding]:
-    """A load factor alone does not tell which loads are carried."""
+    """A load factor alone does not show which loads are carried."""
     if status is not Status.SOLVED:
         return
     first = outcome.coupled.iterates[0]

@@ -1,0 +1,31 @@
+"""The table of couplings agrees with the load factors of a block that slides before it topples."""
+
+import pytest
+
+import lacore as la
+from lacore.coupling.kinds import COUPLINGS
+
+CERTIFIED = 0.4  # friction 0.3, and a tenth of the weight against the push
+
+
+def sliding_block():
+    """A block twice as high as wide, pushed by its weight times the load factor."""
+    base, top = [(0, 0), (3, 0), (3, 1), (0, 1)], [(1, 1), (2, 1), (2, 3), (1, 3)]
+    return la.Problem(
+        bodies={"wall": la.BlockAssembly({"base": base, "top": top}, friction=0.3)},
+        supports=[la.Fix("wall", "base")],
+        reference_loads=[la.BodyForce("wall", (1, 0), where="top")],
+        dead_loads=[la.BodyForce("wall", (-0.1, -1), where="top")],
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "exact", "side"),
+    [("certified", CERTIFIED, ""), ("stick", 0.6, "upper"), ("frictionless", 0.1, "lower")],
+)
+def test_single_solves_bound_the_coulomb_load_factor_on_their_side(name, exact, side):
+    state = la.solve(sliding_block(), coupling=name)
+    assert state.load_factor == pytest.approx(exact, abs=1e-8)
+    assert COUPLINGS[name].bounds == side
+    assert (state.rigor is la.Rigor.UPPER) == (side == "upper")
+    assert {"": 0, "upper": 1, "lower": -1}[side] * (exact - CERTIFIED) >= 0
