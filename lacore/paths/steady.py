@@ -12,6 +12,7 @@ from lacore.errors import InputError, require_positive
 from lacore.paths.renewal.transfer import at_places
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
+from lacore.reporting.text import Quantity
 from lacore.showing import Compact
 
 if TYPE_CHECKING:
@@ -103,7 +104,12 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
     first = int(np.searchsorted(travel, so_far - window))
     if first < 1 or travel.size - first < _LEAST:
         covered = travel.size - max(first, 0)
-        unusable = {"window": window, "covered": covered, "steps": travel.size, "least": _LEAST}
+        unusable = {
+            "window": _length(path, window),
+            "covered": covered,
+            "steps": travel.size,
+            "least": _LEAST,
+        }
         return _not_reached(Finding(Kind.WINDOW_NOT_USABLE, values=unusable))
     drift, mean = drift_of(force[first:]), float(np.mean(force[first:]))
     change = _flow_change(path, travel[first])
@@ -114,13 +120,18 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
         starts = range(1, first + 1)
         begin = next(own for own in starts if drift_of(force[own:]) <= criterion.tolerance)
         since, mean = int(path.history["step"].iloc[begin]), float(np.mean(force[begin:]))
-    values = {"drift": drift, "mean": mean, "window": window, "change": change}
+    values = {"drift": drift, "window": _length(path, window), "change": change}
     values |= {"tolerance": criterion.tolerance, "flow": criterion.flow}
     loads, reached = Finding(Kind.LOAD_DRIFTS, values=values), stationary and flows
     finding = Finding(Kind.NOT_STEADY, values={"loads": loads})
     if reached:
         finding = Finding(Kind.STEADY, values={"step": since, "loads": loads})
     return SteadyState(reached, since, mean, drift, change, finding)
+
+
+def _length(path: Path, travel: float) -> Quantity | float:
+    """Return a travel with its unit; of a control that turns tools or scales loads, the number."""
+    return Quantity(travel, "m", ".4g") if path.unit == "m" else travel
 
 
 def drift_of(loads: Floats) -> float:

@@ -184,7 +184,7 @@ class Kind(Enum):
         " and take selection=lacore.LeastNorm()"
     )
     LOAD_DRIFTS = (
-        "the load drifts by {drift:.2g} of its mean {mean:.6g} over the last {window:.4g} of the"
+        "the load drifts by {drift:.2g} of its mean over the last {window:.4g} of the"
         " travel (tolerance {tolerance:g}), velocities differ by {change:.2g} (tolerance {flow:g})"
     )
     STEADY = "steady from step {step} on: {loads}"
