@@ -204,6 +204,7 @@ def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
         if name == "load_factor" and not past.empty and np.isfinite(until):
             axes.plot(past["travel"].iloc[-1], past[name].iloc[-1], "o", color=colour, ms=6)
     axes.set_xlabel(f"travel [{path.unit}]" if path.unit else "travel", fontsize=9)
+    axes.locator_params(axis="x", nbins=4)  # numbers of small travels are long
     axes.set_ylabel("load factor", fontsize=9)
     axes.set_xlim(0, (1 + _MARGIN) * (path.snapshots[-1].travel or 1.0))
     handles += _draw_events(axes, path, until)
@@ -248,7 +249,7 @@ def _finish(axes: Axes, handles: Sequence[Artist]) -> None:
     axes.legend(
         handles=handles,
         loc="lower left",
-        bbox_to_anchor=(0, 1.0),
+        bbox_to_anchor=(0, 1.05),  # above the multiplier of an axis
         ncols=3,
         frameon=False,
         fontsize=8,
