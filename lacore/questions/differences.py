@@ -1,4 +1,4 @@
-"""Derivatives by differences, from one side and from the other."""
+"""Derivatives from one side and from the other, of load factors or as limits of derivatives."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,10 +9,13 @@ from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.questions.parameters import Parameter
 
-_ASIDE = 3e-3  # of a number: load factors are certified to 1e-6, and mostly much better
+_STEPS = (3e-3, 4e-4)  # of a number: load factors are certified to 1e-6, and mostly much better
 _NEAR = (1e-4, 2.5e-5)  # the same where slopes are known, and only their limits are looked for
 _KINK = 1e-3  # of elasticities: slopes that differ by more from both sides
 _BENT = 0.75  # what is smooth halves with the step
+_STEADY = 10 * _KINK  # of elasticities: slopes at half and whole steps on one side differ by less
+_NO_STATE = "a load factor beside it is not certified"
+_JUMPS = "load factors beside it lie on no line: they belong to other states, or jump"
 
 
 def by_differences(
@@ -23,51 +26,65 @@ def by_differences(
 ) -> dict[str, Any]:
     """One-sided derivatives from certified load factors at half and at whole steps.
 
-    Each side is extrapolated from its two steps; they are one derivative where both agree.
+    Each side is extrapolated from its two steps; they are one derivative where both agree. Where
+    the two steps of a side disagree, another state or a kink lies between them, and smaller steps
+    are tried: a kink is reported only if each side is a line of its own.
     """
-    step = _ASIDE * parameter.size
-    sides, coarse = [], []
-    for sign in (-1, 1):
-        try:
-            half, whole = (
-                at(parameter.at(problem, parameter.value + sign * share * step))
-                for share in (0.5, 1.0)
-            )
-        except InputError as wrong:
-            return {"left": np.nan, "right": np.nan, "unique": True, "why": f"beside it: {wrong}"}
-        first = (half - load_factor) / (sign * step / 2)
-        second = (whole - load_factor) / (sign * step)
-        sides.append(2 * first - second)
-        coarse.append(second)
-    left, right = sides
-    if not np.isfinite(left + right):
-        why = "a load factor beside it is not certified"
-        return {"left": np.nan, "right": np.nan, "unique": True, "why": why}
     scale = (abs(load_factor) or 1.0) / parameter.size
+    fine, coarse = [], []
+    for sign in (-1, 1):
+        for share in _STEPS:
+            step = sign * share * parameter.size
+            try:
+                half, whole = (
+                    at(parameter.at(problem, parameter.value + part * step)) for part in (0.5, 1.0)
+                )
+            except InputError as wrong:
+                return _none(f"beside it: {wrong}")
+            first, second = (half - load_factor) / (step / 2), (whole - load_factor) / step
+            if abs(first - second) <= _STEADY * scale:
+                break
+        else:
+            return _none(_JUMPS if np.isfinite(half + whole) else _NO_STATE)
+        fine.append(2 * first - second)
+        coarse.append(second)
+    left, right = fine
     apart, before = abs(right - left) / scale, abs(coarse[1] - coarse[0]) / scale
     unique = apart <= _KINK or (apart < _BENT * before and apart <= 10 * _KINK)
     return {"left": left, "right": right, "unique": unique, "why": ""}
 
 
-def two_sided(parameter: Parameter, at: Callable[[float], float]) -> dict[str, Any]:
+def two_sided(
+    parameter: Parameter, derivative: float, load_factor: float, at: Callable[[float], float]
+) -> dict[str, Any]:
     """One-sided derivatives, as limits of those at values beside a number.
 
     Args:
         parameter: the number.
+        derivative: that a state at the number has.
+        load_factor: of the state.
         at: the derivative at another value.
     """
-    sides = []
-    for sign in (-1, 1):
-        far, near = (at(parameter.value + sign * share * parameter.size) for share in _NEAR)
-        sides.append(near + (near - far) * _NEAR[1] / (_NEAR[0] - _NEAR[1]))
-    left, right = sides
+    scale = (abs(load_factor) or 1.0) / parameter.size
+    try:
+        near = np.array(
+            [at(parameter.value + sign * _NEAR[1] * parameter.size) for sign in (-1, 1)]
+        )
+        if np.ptp(near) <= _KINK * scale and np.abs(near - derivative).max() <= _KINK * scale:
+            return {"left": derivative, "right": derivative, "unique": True, "why": ""}
+        far = np.array([at(parameter.value + sign * _NEAR[0] * parameter.size) for sign in (-1, 1)])
+    except InputError as wrong:
+        return _none(f"beside it: {wrong}")
+    left, right = near + (near - far) * _NEAR[1] / (_NEAR[0] - _NEAR[1])
     if not np.isfinite(left + right):
-        why = "a load factor beside it is not certified"
-        return {"left": np.nan, "right": np.nan, "unique": False, "why": why}
-    apart = abs(right - left)
+        return {**_none(_NO_STATE), "unique": False}
     return {
         "left": left,
         "right": right,
-        "unique": bool(apart <= _KINK * max(abs(left), abs(right))),
+        "unique": bool(abs(right - left) <= _KINK * scale),
         "why": "",
     }
+
+
+def _none(why: str) -> dict[str, Any]:
+    return {"left": np.nan, "right": np.nan, "unique": True, "why": why}

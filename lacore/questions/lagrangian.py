@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from scipy.sparse.linalg import lsqr
@@ -16,11 +15,8 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact
 from lacore.state import ProgramState, internal_force
-from lacore.surfaces import Surfaces
 
 _STEP = 1e-6  # of a number: differences of what is assembled, which no solver blurs
-_PARALLEL = 1e-12
-_BEYOND = 1e6  # price of a multiplier below zero, per strength: round-off of a solver's strains
 
 
 @dataclass(frozen=True)
@@ -120,35 +116,5 @@ def _require_alike(program: KinematicProgram, known: KinematicProgram) -> None:
 def _flow(group: DissipationGroup, velocity: Floats) -> Floats:
     if group.surfaces is None:
         return group.rates(velocity)
-    volume = group.volume_rates(velocity).reshape(-1, group.volumes)
-    rates = np.column_stack([group.rates(velocity), volume])
-    return multipliers(group.surfaces.associated(), rates)
-
-
-def multipliers(surfaces: Surfaces, rates: Floats) -> Floats:
-    """How fast flow goes on each plane: the least in power that add up to it, shape (m, k).
-
-    Args:
-        surfaces: of associated flow, k planes a point in L volumetric rows.
-        rates: ``(||d||, v)``, shape (m, 1+L).
-    """
-    normals, strengths = surfaces.planes  # the last one is -q <= 0
-    felt = np.concatenate([[True], surfaces.slope.any(axis=(0, 1))])
-    normals, rates = normals[:, :, felt], rates[:, felt]
-    count = normals.shape[1]
-    best = np.full(len(rates), np.inf)
-    found = np.zeros((len(rates), count))
-    for chosen in combinations(range(count), int(felt.sum())):
-        columns = normals[:, chosen].transpose(0, 2, 1)
-        good = np.abs(np.linalg.det(columns)) > _PARALLEL
-        columns = np.where(good[:, None, None], columns, np.eye(columns.shape[1]))
-        own = np.linalg.solve(columns, rates[:, :, None])[:, :, 0]
-        price = strengths[:, chosen]
-        scale = np.abs(price).max(axis=1, initial=0.0)[:, None]
-        cost = np.sum(price * own + _BEYOND * scale * np.maximum(-own, 0.0), axis=1)
-        better = good & (cost < best)
-        best = np.where(better, cost, best)
-        full = np.zeros((len(rates), count))
-        full[:, chosen] = np.maximum(own, 0.0)
-        found = np.where(better[:, None], full, found)
-    return found[:, :-1]
+    surfaces = group.surfaces.associated()
+    return surfaces.multipliers(group.rates(velocity), group.volume_rates(velocity))

@@ -21,7 +21,7 @@ from lacore.conditions.loads import Load, PointForce, Pressure, Traction
 from lacore.errors import is_number
 from lacore.materials.fields import Field
 from lacore.problem.problem import Problem
-from lacore.questions.places import places
+from lacore.questions.places import fixed_places, places
 from lacore.reporting.text import text
 
 Changed = Callable[[Problem, float], Problem]
@@ -82,8 +82,12 @@ def parameters_of(problem: Problem) -> list[Parameter]:
 
 
 def without_parameter(problem: Problem) -> tuple[str, ...]:
-    """Loads that have no one size, for the message: pressures of water."""
-    return tuple(load.told for load in problem.loads.values() if size_of(load) is None)
+    """What the table leaves out, and why, for the message."""
+    loads = [load.told for load in problem.loads.values() if size_of(load) is None]
+    return (
+        *(text("{} (no single size)", told) for told in loads),
+        *(f"{name} (its members must remain straight)" for name in fixed_places(problem)),
+    )
 
 
 @singledispatch

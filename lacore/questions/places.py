@@ -59,6 +59,15 @@ def places(problem: Problem) -> Iterator[Place]:
                 yield Place(name, 0.0, frame.size, _of_node(body, node, direction), body)
 
 
+def fixed_places(problem: Problem) -> Iterator[str]:
+    """Coordinates of held or loaded nodes that have to keep members straight, for the message."""
+    for body, frame in of_kind(problem.bodies, Frame).items():
+        for node, what in _marked(problem, body, frame).items():
+            free = len(_directions(frame, node))
+            if free < len(_AXES):
+                yield f"{body}: {what} at {node}" + (", across its members" if free else "")
+
+
 def _of_force(attribute: str, index: int, axis: int) -> Callable[[Problem, float], Problem]:
     def at(problem: Problem, value: float) -> Problem:
         loads: list[Any] = list(getattr(problem, attribute))
@@ -97,7 +106,10 @@ def _at(load: PointForce, frame: Frame) -> str:
 
 
 def _directions(frame: Frame, node: str) -> list[tuple[str, Floats]]:
-    """In which a node can move: along its members where it has to keep them straight, else x, y."""
+    """In which a node can move: along its members where it has to keep them straight, else x, y.
+
+    Of several members at a node those have to stay straight that other nodes divide, if any is.
+    """
     number, pieces = frame.names.index(node), frame.pieces
     here = (pieces.start == number) | (pieces.end == number)
     along = np.asarray(pieces.along[:, here])
@@ -106,7 +118,12 @@ def _directions(frame: Frame, node: str) -> list[tuple[str, Floats]]:
         return _AXES
     across = along[0, 0] * along[1] - along[1, 0] * along[0]
     if np.abs(across).max() > _STRAIGHT:
-        return [] if split.any() else _AXES
+        if not split.any():
+            return _AXES
+        along = along[:, split]
+        across = along[0, 0] * along[1] - along[1, 0] * along[0]
+        if np.abs(across).max() > _STRAIGHT:
+            return []
     first = along[:, 0] if along[np.abs(along[:, 0]).argmax(), 0] > 0 else -along[:, 0]
     straight = [letter for letter, axis in _AXES if np.allclose(first, axis, atol=_STRAIGHT)]
     return [(straight[0] if straight else "along", first)]

@@ -3,31 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
 from lacore import views
-from lacore.arrays import Floats
 from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
 from lacore.errors import InputError, is_number, typed
 from lacore.limit.solve import TOLERANCE, solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.differences import by_differences, two_sided
-from lacore.questions.lagrangian import NotComparableError, frozen, slope
-from lacore.questions.parameters import (
-    LOAD,
-    OWN,
-    STRENGTH,
-    Parameter,
-    parameters_of,
-    without_parameter,
-)
+from lacore.questions.differences import by_differences
+from lacore.questions.envelope_theorem import Nearby, by_multipliers
+from lacore.questions.parameters import OWN, Parameter, parameters_of, without_parameter
 from lacore.showing import Facts, Picture, Shown, counted, cut, listed
 from lacore.status import Rigor, Status
 
@@ -46,10 +37,6 @@ _COLUMNS = [
     *("parameter", "kind", "value", "unit", "body", "derivative", "elasticity", "left", "right"),
     *("unique", "method", "why"),
 ]
-_ASIDE = (1e-3, 1.25e-4)  # of all strengths and loads, by which uniqueness is tried
-_CHANGED = 1e-3  # of elasticities: more may be a kink
-_SMOOTH = 2.5  # what is smooth changes 8 times less with the second of them
-_GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,7 +53,7 @@ class Sensitivity(Shown):
             (of a place the size of its body stands for the value); ``left`` and ``right``, the
             one-sided derivatives, which differ where it is not ``unique`` and has none;
             ``method``: ``multipliers`` or ``differences``; ``why`` there is none.
-        left_out: loads that have no one size.
+        left_out: loads and positions that are not in the table, each with the reason.
         solves: more ones that were made, to see whether derivatives are unique.
         solve_time: s, wall clock.
     """
@@ -91,7 +78,7 @@ class Sensitivity(Shown):
         if len(without):
             said += f"; none of {listed(list(without))} (see the table)"
         if self.left_out:
-            said += f"; without one size: {listed(list(self.left_out))}"
+            said += f"; not in the table: {listed(list(self.left_out))}"
         return said
 
     def facts(self) -> Facts:
@@ -151,7 +138,7 @@ def sensitivity(
     problem = state.discretisation.problem
     parameters = [*parameters_of(problem), *_given(own or {}, state)]
     tell = on_parameter or (lambda name: None)
-    asked = _Asked(state, {"backend": state.backend, "coupling": state.coupling})
+    asked = Nearby(state, {"backend": state.backend, "coupling": state.coupling})
     flows = state.discretisation.program
     coulomb = not COUPLINGS[state.coupling].laws and flows.contact.coulomb.any()
     if flows.frictional or coulomb:
@@ -162,9 +149,8 @@ def sensitivity(
             tell(parameter.name)
         rows = [{**row, "method": DIFFERENCES} for row in rows]
     else:
-        rows = _by_multipliers(state, parameters, asked)
-        for parameter in parameters:
-            tell(parameter.name)
+        rows = by_multipliers(state, parameters, asked, tell)
+        rows = [{**row, "method": ENVELOPE} for row in rows]
     table = pd.DataFrame(
         [_row(*pair, state.load_factor) for pair in zip(parameters, rows, strict=True)],
         columns=_COLUMNS,
@@ -179,117 +165,6 @@ def sensitivity(
         solves=asked.solves,
         solve_time=time.perf_counter() - begin,
     )
-
-
-@dataclass
-class _Asked:
-    """Solves beside a state, with what it was solved with."""
-
-    state: LimitState
-    given: Mapping[str, Any]
-    solves: int = 0
-
-    def beside(self, problem: Problem) -> LimitState:
-        self.solves += 1
-        bar = min(TOLERANCE, self.state.tolerance)
-        return solve(problem, **self.given, options=self.state.options, tolerance=bar)
-
-    def load_factor(self, problem: Problem) -> float:
-        return self.beside(problem).load_factor
-
-
-def _by_multipliers(
-    state: LimitState, parameters: Sequence[Parameter], asked: _Asked
-) -> list[dict[str, Any]]:
-    """Rows of derivatives at the state; one-sided where mechanisms are not unique."""
-    problem = state.discretisation.problem
-    slopes, whys = _slopes(state, problem, parameters)
-    kinked = _kinked(state, parameters, slopes, asked)
-    rows = []
-    for parameter, derivative, why, doubt in zip(parameters, slopes, whys, kinked, strict=True):
-        row = {"left": derivative, "right": derivative, "unique": True, "why": why}
-        if doubt and not why:
-
-            def at(value: float, own: Parameter = parameter) -> float:
-                beside = asked.beside(own.at(problem, value))
-                if beside.status is not Status.SOLVED:
-                    return np.nan
-                found, _ = _slopes(beside, beside.discretisation.problem, [own], value)
-                return float(found[0])
-
-            row |= two_sided(parameter, at)
-        rows.append({**row, "method": ENVELOPE})
-    return rows
-
-
-def _slopes(
-    state: LimitState,
-    problem: Problem,
-    parameters: Sequence[Parameter],
-    value: float | None = None,
-) -> tuple[Floats, list[str]]:
-    """Derivatives at a state, and why there are none."""
-    solution = frozen(state)
-    found, whys = [], []
-    for own in parameters:
-        here = own.value if value is None else value
-        try:
-            found.append(slope(solution, partial(own.at, problem), here, own.size))
-            whys.append("")
-        except InputError as wrong:
-            found.append(np.nan)
-            whys.append(f"beside it: {wrong}")
-        except NotComparableError:
-            found.append(np.nan)
-            whys.append("a change of it changes the unknowns or the contact points")
-    return np.array(found), whys
-
-
-def _kinked(
-    state: LimitState, parameters: Sequence[Parameter], slopes: Floats, asked: _Asked
-) -> list[bool]:
-    """Which derivatives may jump at the state: beside it, on both sides, they are others."""
-    problem = state.discretisation.problem
-    sizes = np.array([own.size for own in parameters])
-    moved = [k for k, own in enumerate(parameters) if own.kind in (STRENGTH, LOAD)]
-    apart = []
-    for aside in _ASIDE:
-        ends = []
-        for sign in (1, -1):
-            beside, values = problem, {}
-            for k in moved:
-                own = parameters[k]
-                share = 0.3 + 0.7 * ((k + 1) * _GOLDEN % 1.0)
-                values[k] = own.value * (1 + sign * aside * share)
-                try:
-                    beside = own.at(beside, values[k])
-                except InputError:
-                    values[k] = own.value
-            found = asked.beside(beside)
-            if found.status is not Status.SOLVED:
-                return [False] * len(parameters)
-            solution, stated = frozen(found), found.discretisation.problem
-            ends.append(
-                [
-                    _slope_or_nan(solution, own, stated, values.get(k, own.value))
-                    for k, own in enumerate(parameters)
-                ]
-            )
-        scale = abs(state.load_factor) or 1.0
-        apart.append(np.abs(np.subtract(ends[0], ends[1])) * sizes / scale)
-        if not np.any(apart[-1] > _CHANGED):
-            return [False] * len(parameters)
-    jumps = (apart[1] > _CHANGED) & (apart[0] < _SMOOTH * apart[1])
-    return [bool(own) for own in jumps]
-
-
-def _slope_or_nan(solution: Any, own: Parameter, stated: Problem, value: float) -> float:
-    if own.kind == OWN:
-        return np.nan
-    try:
-        return slope(solution, partial(own.at, stated), value, own.size)
-    except (InputError, NotComparableError):
-        return np.nan
 
 
 def _row(parameter: Parameter, found: Mapping[str, Any], load_factor: float) -> dict[str, Any]:

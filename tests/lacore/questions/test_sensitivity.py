@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.questions.parameters import parameters_of
+from lacore.questions.differences import by_differences
+from lacore.questions.envelope_theorem import Nearby, by_multipliers
+from lacore.questions.parameters import Parameter, parameters_of, without_parameter
 from tests.lacore.models import cantilever, deformable_block, punch
 from tests.lacore.questions.arches import arch
 from tests.lacore.shown import portal, ring, wall
@@ -153,6 +155,93 @@ def test_where_two_mechanisms_meet_derivatives_are_one_sided():
     assert table["unique"].drop([mu.name, height.name]).all()
     assert "one-sided" in found.message
     assert mu.name in found.message
+
+
+def bays(middle=4.0):
+    """Two bays of columns and stronger beams, pushed at the first corner: 2 at the middle."""
+    nodes = {"A": (0, 0), "B": (0, 3), "C": (middle, 0), "D": (4, 3), "E": (8, 0), "F": (8, 3)}
+    moments = {"A-B": 1.0, "C-D": 1.0, "E-F": 1.0, "B-D": 3.0, "D-F": 3.0}
+    frame = la.Frame(nodes, [tuple(name.split("-")) for name in moments], moments)
+    push = la.PointForce("frame", "B", (1, 0))
+    return la.Problem(
+        {"frame": frame}, [push], [la.Fix("frame", node, "clamped") for node in "ACE"]
+    )
+
+
+def test_positions_are_one_sided_where_the_stresses_are_not_unique():
+    """A symmetric frame: its mechanism is unique, the moments of its beams are not."""
+    state = la.solve(bays())
+    by_name = {own.name: own for own in parameters_of(bays())}
+    own = Parameter("middle", "own", 4.0, 4.0, lambda _, value: bays(value))
+    chosen = [by_name["frame: support at C, x"], by_name["frame: plastic_moment['C-D']"], own]
+    nearby = Nearby(state, {"backend": state.backend, "coupling": state.coupling})
+    place, strength, middle = by_multipliers(state, chosen, nearby, lambda _: None)
+    # Certified load factors 1 mm to either side of the middle, the same on both.
+    wanted = (la.solve(bays(4.001)).load_factor - 2.0) / 1e-3
+    assert wanted == pytest.approx(5 / 12, abs=1e-4)
+    for row in (place, middle):
+        assert not row["unique"]
+        assert (row["left"], row["right"]) == pytest.approx((-wanted, wanted), abs=1e-4)
+    assert strength == {
+        "left": strength["left"],
+        "right": strength["left"],
+        "unique": True,
+        "why": "",
+    }
+    assert strength["left"] == pytest.approx(2 / 3, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "wanted"),
+    [
+        (la.NoTension(5.0), {"compressive_strength": 1.0}),
+        (la.Rankine(1.0, 5.0), {"compressive_strength": 1.0, "tensile_strength": 0.0}),
+    ],
+)
+def test_a_block_that_crushes_has_the_derivative_of_its_crushing_strength(criterion, wanted):
+    """Pressed between smooth ends it carries that strength, whatever it carries in tension."""
+    block = la.Body(la.meshes.rectangle((0, 1), (0, 1), 2, 2), criterion)
+    problem = la.Problem(
+        {"block": block}, [la.Pressure("block", "top")], [la.Fix("block", "bottom", "normal")]
+    )
+    table = la.sensitivity(la.solve(problem)).table.set_index("parameter")
+    found = {name: table["derivative"][f"block: criterion.{name}"] for name in wanted}
+    assert found == pytest.approx(wanted, abs=1e-6)
+
+
+def test_nodes_move_along_the_members_that_they_divide():
+    """D divides the beam and stands on a column: it moves along the beam, and the rest is said."""
+    nodes = {"A": (0, 3), "B": (8, 3), "C": (4, 0), "D": (4, 3)}
+    frame = la.Frame(nodes, [("A", "B"), ("C", "D")], 1.0)
+    problem = la.Problem(
+        {"f": frame},
+        [la.PointForce("f", "D", (1, 0)), la.Traction("f", "A-B", (0, -1))],
+        [la.Fix("f", ("A", "B"), "y"), la.Fix("f", "C", "clamped")],
+    )
+    places = {own.name for own in parameters_of(problem) if own.kind == "place"}
+    assert "f: force at D, x" in places
+    assert "f: force at D, y" not in places
+    reason = "f: force at D, across its members (its members must remain straight)"
+    assert reason in without_parameter(problem)
+
+
+def by_rule(rule):
+    """Differences of a load factor that is a function of one number at 1."""
+    number = Parameter("x", "own", 1.0, 1.0, lambda _, value: value)
+    return by_differences(number, None, rule(1.0), rule)
+
+
+def test_a_state_of_another_branch_is_no_kink():
+    """One whole step away another branch is found: the derivative is that of smaller steps."""
+    found = by_rule(lambda x: 5.67 * x + (1e-3 if x > 1.002 else 0.0))
+    assert (found["left"], found["right"]) == pytest.approx((5.67, 5.67), abs=1e-6)
+    assert found["unique"]
+
+
+def test_a_jump_beside_a_state_has_no_derivative():
+    found = by_rule(lambda x: 5.67 * x + (1e-3 if x > 1.0 else 0.0))
+    assert np.isnan(found["right"])
+    assert "other states" in found["why"]
 
 
 def test_coulomb_derivatives_say_that_they_are_differences():
