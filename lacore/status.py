@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
@@ -138,21 +139,43 @@ class Standing(Enum):
         return self.name.lower()
 
 
+@dataclass(frozen=True)
+class Claim:
+    """What a load factor proves, in words.
+
+    Attributes:
+        text: Short enough to stand on a line with the number.
+        reason: Why it is so; may be empty.
+    """
+
+    text: str
+    reason: str = ""
+
+    def __str__(self) -> str:
+        return ": ".join(filter(None, (self.text, self.reason)))
+
+
 class Rigor(Enum):
     """What a load factor proves (T16). No number is printed without one."""
 
     UPPER = "strict upper bound of the continuum problem"
-    LOWER = "strict lower bound of the continuum problem: equilibrium element, yield at vertices"
+    LOWER = "strict lower bound of the continuum problem"
     DISCRETE = "converged value of the discrete problem, not a bound"
-    REGULARISED = "value of the regularised problem: approaches the discrete one as r -> 0"
+    REGULARISED = "value of the regularised problem"
     NOT_CERTIFIED = "not certified"
 
     @property
-    def phrase(self) -> str:
-        """The text without its reasons, to go on a line with the number."""
-        return self.value.partition(":")[0]
+    def claim(self) -> Claim:
+        """What it says of a load factor, with the reason."""
+        return Claim(self.value, _REASONS.get(self, ""))
 
     @property
     def label(self) -> str:
         """The name as shown in tables."""
         return self.name.lower().replace("_", " ")
+
+
+_REASONS = {
+    Rigor.LOWER: "equilibrium element, yield at vertices",
+    Rigor.REGULARISED: "approaches the discrete one as r -> 0",
+}

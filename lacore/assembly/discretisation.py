@@ -21,7 +21,7 @@ from lacore.contact.rows import ContactPoints
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, Scales
 from lacore.showing import Facts, Picture, Shown, counted, listed, sized
-from lacore.status import Rigor, Scope
+from lacore.status import Claim, Rigor, Scope
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,15 +71,17 @@ class Discretisation(Shown):
         """Of which problem its load factors are."""
         return Scope.DISCRETE if self.continua or self.crushing.size else Scope.ITSELF
 
-    def worth(self, rigor: Rigor) -> str:
-        """What a load factor proves; where nothing is discretised, it bounds no continuum."""
+    def claim(self, rigor: Rigor) -> Claim:
+        """Return what a load factor proves; without a discretisation it bounds no continuum."""
         if self.scope is Scope.DISCRETE or rigor not in (Rigor.UPPER, Rigor.DISCRETE):
-            return rigor.value
+            return rigor.claim
         if self.full.associated_flow:
-            return "exact: rigid blocks and frames have no discretisation"
+            return Claim("exact", "rigid blocks and frames have no discretisation")
         if rigor is Rigor.UPPER:
-            return "strict upper bound of Coulomb load factors: friction dilates, or sticks"
-        return "certified Coulomb state: not a bound, because others may exist"
+            return Claim(
+                "strict upper bound of Coulomb load factors", "friction dilates, or sticks"
+            )
+        return Claim("certified Coulomb state", "not a bound, because others may exist")
 
     @property
     def assemblies(self) -> dict[str, RigidDofs[BlockAssembly]]:

@@ -129,7 +129,7 @@ class LowerBound(Reported, Shown):
         )
         told |= started(self.compile_time)
         told["size"] = self.model.contents
-        return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+        return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {self.rigor.value}", told)
 
     def picture(self) -> Picture:
         """The stresses of continua, or the problem where there are none."""

@@ -119,7 +119,7 @@ class UpperBound(Reported, Shown):
             f" after {self.state.build_time:.3g} s of assembly",
             "size": self.discretisation.contents,
         }
-        return Facts(f"UpperBound: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+        return Facts(f"UpperBound: load factor {self.load_factor:.7g}, {self.rigor.value}", told)
 
     def picture(self) -> Picture:
         """That of the solve."""

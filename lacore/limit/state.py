@@ -323,8 +323,8 @@ class LimitState(Reported, Shown):
         )
         told |= started(self.compile_time)
         told["size"] = self.discretisation.contents
-        worth = self.discretisation.worth(self.rigor).partition(":")[0]
-        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {worth}", told)
+        claim = self.discretisation.claim(self.rigor)
+        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {claim.text}", told)
 
     def picture(self) -> Picture:
         """The mechanism, or where there is none the problem."""
@@ -335,8 +335,8 @@ class LimitState(Reported, Shown):
     def __str__(self) -> str:
         """Return the load factor, what it proves, its largest residual and the message."""
         named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
-        worth = self.discretisation.worth(self.rigor)
-        lines = [f"load factor {self.load_factor:.6g} ({worth}; {named})"]
+        claim = self.discretisation.claim(self.rigor)
+        lines = [f"load factor {self.load_factor:.6g} ({claim}; {named})"]
         if self.certificate is not None:
             residual, size = self.certificate.worst
             lines.append(f"largest residual {size:.1e} ({residual})")

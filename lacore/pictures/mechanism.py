@@ -148,10 +148,10 @@ def _rigid_parts(state: LimitState) -> int:
 
 
 def title_of(state: LimitState) -> str:
-    """The load factor and what it is worth, and who found it."""
+    """Return the load factor, what it proves, and who found it."""
     if state.status is Status.SOLVED:
-        worth = state.discretisation.worth(state.rigor).partition(":")[0]
-        first = f"load factor {state.load_factor:.6g}   ({worth})"
+        claim = state.discretisation.claim(state.rigor)
+        first = f"load factor {state.load_factor:.6g}   ({claim.text})"
     elif state.status is Status.UNSAFE:
         first = "UNSAFE: collapse mechanism under the dead loads alone"
     else:

@@ -19,20 +19,17 @@ from lacore.problem.problem import Problem
 from lacore.questions.differences import by_differences
 from lacore.questions.envelope_theorem import Nearby, by_multipliers
 from lacore.questions.parameters import OWN, Parameter, parameters_of, without_parameter
-from lacore.showing import Facts, Picture, Shown, counted, cut, listed
+from lacore.reporting.findings import Finding, texts
+from lacore.reporting.kinds import Kind
+from lacore.showing import Facts, Picture, Shown, counted, cut
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ENVELOPE, DIFFERENCES = "multipliers", "differences"
-_METHODS = {
-    ENVELOPE: "by multipliers of the state (envelope theorem)",
-    DIFFERENCES: (
-        "by differences of certified load factors on either side, good to some 1e-3 of an"
-        " elasticity: friction or flow that is not associated has no envelope theorem"
-    ),
-}
+_METHODS = {ENVELOPE: Kind.BY_MULTIPLIERS, DIFFERENCES: Kind.BY_DIFFERENCES}
+_NAMED = 6  # parameters that a finding names; others are counted
 _COLUMNS = [
     *("parameter", "kind", "value", "unit", "body", "derivative", "elasticity", "left", "right"),
     *("unique", "method", "why"),
@@ -52,7 +49,7 @@ class Sensitivity(Shown):
             ``elasticity``, that times the value over the load factor: per cent for each per cent
             (of a place the size of its body stands for the value); ``left`` and ``right``, the
             one-sided derivatives, which differ where it is not ``unique`` and has none;
-            ``method``: ``multipliers`` or ``differences``; ``why`` there is none.
+            ``method``: ``multipliers`` or ``differences``; ``why`` there is none, or empty.
         left_out: loads and positions that are not in the table, each with the reason.
         solves: more ones that were made, to see whether derivatives are unique.
         solve_time: s, wall clock.
@@ -65,21 +62,23 @@ class Sensitivity(Shown):
     solve_time: float
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """How derivatives were computed, and which parameters have none."""
+        table = self.table
+        found = [Finding(_METHODS[name]) for name in dict.fromkeys(table["method"])]
+        for kind, name, which in (
+            (Kind.ONE_SIDED, "parameters", table["parameter"][~table["unique"]]),
+            (Kind.NO_DERIVATIVE, "parameters", table["parameter"][table["why"] != ""]),
+            (Kind.LEFT_OUT, "loads", self.left_out),
+        ):
+            if len(which):
+                found.append(Finding(kind, values={name: _first(list(which))}))
+        return tuple(found)
+
+    @property
     def message(self) -> str:
-        """How derivatives were found, and of which there are none."""
-        said = ", ".join(_METHODS[name] for name in dict.fromkeys(self.table["method"]))
-        kinked = self.table["parameter"][~self.table["unique"]]
-        if len(kinked):
-            said += (
-                f"; one-sided, `left` and `right` of a kink, with none between:"
-                f" {listed(list(kinked))}"
-            )
-        without = self.table["parameter"][self.table["why"] != ""]
-        if len(without):
-            said += f"; none of {listed(list(without))} (see the table)"
-        if self.left_out:
-            said += f"; not in the table: {listed(list(self.left_out))}"
-        return said
+        """Text of the findings."""
+        return texts(self.findings)
 
     def facts(self) -> Facts:
         """What matters most."""
@@ -98,6 +97,12 @@ class Sensitivity(Shown):
     def plot(self) -> Figure:
         """Elasticities: see `lacore.pictures.questions.sensitivity.plot_sensitivity`."""
         return views.picture(self)
+
+
+def _first(names: list[str]) -> tuple[str, ...]:
+    """Return the first of some names, and how many more there are."""
+    more = len(names) - _NAMED
+    return (*names[:_NAMED], f"{more} more") if more > 0 else tuple(names)
 
 
 @typed(state="give what lacore.solve returns")

@@ -213,6 +213,30 @@ class Kind(Enum):
         "{where!r} has the least load factor; that it governs is not proven against {cases}: take"
         " target_width for deformable bodies, {terms.COULOMB_RANGE} for friction"
     )
+    BY_MULTIPLIERS = "by multipliers of the state (envelope theorem)"
+    BY_DIFFERENCES = (
+        "by differences of certified load factors on either side, accurate to about 1e-3 of an"
+        " elasticity: friction or flow that is not associated has no envelope theorem"
+    )
+    ONE_SIDED = (
+        "the derivatives by {parameters} are one-sided: the load factor has a kink there, see"
+        " `left` and `right`"
+    )
+    NO_DERIVATIVE = "no derivative by {parameters} (see the table)"
+    LEFT_OUT = "not in the table: {loads}"
+    APART = "inner and outer at most {width:.2%} apart"
+    UNBOUNDED = "unbounded: some combinations are carried however large"
+    POINTS_ALONE = (
+        "certified states only: nothing is proven between them, because friction is not associated"
+    )
+    DIRECTIONS_FAILED = "{count} of {every} directions have no result (see the table)"
+    DIRECTIONS_ENDED = "ended after {count} directions: {why}"
+    NO_VOLUME = "what is proven so far encloses no volume (see the table)"
+    NOTHING_PROVEN = "in {count} directions nothing was proven (see the table)"
+    CORNERS_SOLVED = (
+        "all corners of the outer hull lie on directions that were solved; only narrower bounds for"
+        " each direction can reduce the distance further"
+    )
 
     # Answers
     SOLVE = "its solve: {report}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import lacore as la
-from verification.campaigns.shrinking import check_of, shrunk
+from verification.campaigns.shrinking import shrunk
 from verification.fuzz.drawn.cases import kind_of, recipe_of
 from verification.fuzz.run import LOAD, UNKNOWN
 from verification.perform.processes import Executor
@@ -70,7 +70,7 @@ def is_exception(outcome: Outcome) -> bool:
     """Whether an error that is none of ours was raised, or the process died."""
     row = outcome.row
     return row.verdict == FAIL and (
-        row.status in ("exception", "failed") or "exception" in check_of(row)
+        row.status in ("exception", "failed") or "exception" in row.check
     )
 
 
@@ -119,7 +119,7 @@ def keep_wrong(
     wrong = [outcome for outcome in outcomes if outcome.row.verdict == FAIL]
     first: dict[tuple[str, str], Outcome] = {}
     for outcome in wrong:
-        first.setdefault((kind_of(outcome.run), check_of(outcome.row)), outcome)
+        first.setdefault((kind_of(outcome.run), outcome.row.check), outcome)
     chosen = list(first.values())
     chosen += [outcome for outcome in wrong if outcome not in chosen]
     files = []

@@ -20,14 +20,9 @@ _ROUNDS = 30
 _DIGITS = (1, 2)
 
 
-def check_of(row: Row) -> str:
-    """Which check a row fails; of a hang or an exception what it is."""
-    return row.why.split(":")[0] if row.verdict == FAIL else ""
-
-
 def shrunk(outcome: Outcome, kind: str, executor: Executor, time_limit: float) -> Outcome:
     """The smallest problem found that fails the check that an outcome fails."""
-    check = check_of(outcome.row)
+    check = outcome.row.check
     for _ in range(_ROUNDS):
         recipe = recipe_of(kind, **outcome.run.parameters)
         smaller = _first(outcome.run, list(candidates(recipe)), check, executor, time_limit)
@@ -46,7 +41,11 @@ def _first(
     if not runs:
         return None
     with closing(executor(runs, time_limit=time_limit, on_start=lambda _: None)) as outcomes:
-        return next((one for one in outcomes if check_of(one.row) == check), None)
+        return next((one for one in outcomes if _fails(one.row, check)), None)
+
+
+def _fails(row: Row, check: str) -> bool:
+    return row.verdict == FAIL and row.check == check
 
 
 def candidates(recipe: Recipe) -> Iterator[Recipe]:

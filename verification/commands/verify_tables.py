@@ -61,9 +61,7 @@ def show_cases(console: Console, findings: Sequence[Finding]) -> None:
 
 
 def _label(found: Finding) -> str:
-    """The check, and whose it is, unless its reason says so."""
-    name = f"{found.case}:{found.variant}"
-    return found.check if name in found.why else f"{name} {found.backend} {found.check}"
+    return f"{found.case}:{found.variant} {found.backend} {found.check}"
 
 
 def _worst(findings: Sequence[Finding], checks: Sequence[str]) -> Finding | None:

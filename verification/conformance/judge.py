@@ -101,7 +101,9 @@ def judge(subject: Subject, worked: Worked, raw: object) -> Iterator[Finding]:
         yield Finding(name, "status", np.nan, np.nan, SKIPPED, why)
         return
     agreed = answer.status is wanted or (wanted in _DONE and answer.status in _DONE)
-    came = f"{answer.status.label} ({answer.native_status}) {answer.message}".strip()
+    came = " ".join(
+        filter(None, (answer.status.label, f"({answer.native_status})", answer.message))
+    )
     yield said(name, "status", agreed, f"{wanted.label} was expected, {came} came")
     if not agreed:
         return

@@ -28,7 +28,7 @@ def run_random(run: Run, names: Mapping[str, Any], memory: Callable[[], float]) 
     clock = SolveClock()
     kind = kind_of(run)
     found = examine(recipe_of(kind, **run.parameters), random_numbers(kind, **run.parameters))
-    verdict, why = _verdict(found)
+    verdict, check, why = _verdict(found)
     row = Row(
         **{**names, "coupling": run.coupling},
         load_factor=found.load_factor,
@@ -40,18 +40,20 @@ def run_random(run: Run, names: Mapping[str, Any], memory: Callable[[], float]) 
         message=found.message,
         verdict=verdict,
         why=why,
+        check=check,
         solve_time=clock.seconds,
         peak_memory_mb=memory(),
     )
     return Outcome(run, row, NO_EVIDENCE)
 
 
-def _verdict(found: Judgement) -> tuple[str, str]:
+def _verdict(found: Judgement) -> tuple[str, str, str]:
+    """Return the verdict, the check that fails, and why."""
     if found.wrong is not None:
-        return FAIL, str(found.wrong)
+        return FAIL, found.wrong.check, str(found.wrong)
     if found.status == "refused":
-        return SKIPPED, found.message
+        return SKIPPED, "", found.message
     right = found.status in [status.label for status in _RIGHT]
     if found.status == la.Status.SOLVED.label and isnan(found.load_factor):
-        return FAIL, f"number: solved, and the load factor is {nan}"
-    return (PASS, "") if right else (NO_RESULT, found.status)
+        return FAIL, "number", f"number: solved, and the load factor is {nan}"
+    return (PASS, "", "") if right else (NO_RESULT, "", found.status)

@@ -139,4 +139,11 @@ def _skipped(run: Run, names: dict[str, Any], why: str) -> Outcome:
 def _failed(names: dict[str, Any], error: Exception) -> Row:
     named = isinstance(error, BackendError)
     message = str(error) if named else f"{type(error).__name__}: {error}"
-    return Row(**names, status="failed", message=message, verdict=FAIL, why=message)
+    return Row(
+        **names,
+        status="failed",
+        message=message,
+        verdict=FAIL,
+        why=message,
+        check=type(error).__name__,
+    )

@@ -72,7 +72,14 @@ def lost(run: Run, status: la.Status, message: str) -> Outcome:
     """The row of a run whose process did not come back; late is no result, as of `judge`."""
     late = status is la.Status.TIME_LIMIT and run.coupling != BRACKET
     verdict = NO_RESULT if late and not run.insist else FAIL
-    row = Row(**run.names, status=status.label, message=message, verdict=verdict, why=message)
+    row = Row(
+        **run.names,
+        status=status.label,
+        message=message,
+        verdict=verdict,
+        why=message,
+        check=status.label,
+    )
     return Outcome(run, row)
 
 

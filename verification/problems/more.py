@@ -124,7 +124,7 @@ ANALYSES: Mapping[str, Analysis] = {
         doing="searching load combinations",
         ask=_combined,
         good=lambda found: bool(found.table["status"].isin(["solved", "reached"]).all()),
-        said=lambda found, units: found.message,
+        said=lambda found, units: texts(found.findings, Reader(units, files=True)),
         caption=lambda found: (
             "Factors of the load cases that are carried, and that are not carried"
         ),

@@ -16,7 +16,7 @@ from lacore.reporting.units import Units
 from verification.problems.answers import Answer
 from verification.problems.more import ANALYSES
 from verification.problems.tables import in_units
-from verification.problems.words import friction, loads_told, said_of, worth
+from verification.problems.words import claim, friction, loads_told, said_of
 from verification.report.blocks import (
     Block,
     Details,
@@ -90,7 +90,7 @@ def _lead(answer: Answer, units: Units) -> str:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
         return f"Collapse between {ends} times the reference loads: {proven.text_for(reader)}."
     if state.status is la.Status.SOLVED:
-        return f"Collapse at {state.load_factor:.6g} times the reference loads; {worth(state)}."
+        return f"Collapse at {state.load_factor:.6g} times the reference loads; {claim(state)}."
     return state.report.text_for(reader)
 
 

@@ -13,6 +13,7 @@ from lacore.materials.friction import Friction
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted, listed
+from lacore.status import Claim
 from verification.problems.answers import Answer
 from verification.problems.more import ANALYSES
 from verification.problems.tables import interface_names
@@ -46,7 +47,7 @@ def friction(law: Friction, units: Units) -> str:
 def lines(answer: Answer, units: Units) -> dict[str, str]:
     """Return the lines that describe a result, by name."""
     state, reader = answer.state, Reader(units, files=True)
-    one = f"{state.load_factor:.6g}, {worth(state)}"
+    one = f"{state.load_factor:.6g}, {claim(state)}"
     # The solve on one mesh may lie outside of the bounds, so they come first.
     proven = answer.bracket
     told = {"load factor": one} if proven is None else {"bracket": proven.heading}
@@ -81,12 +82,12 @@ def said_of(name: str, found: Any, units: Units) -> str:
     return own.said(own.told(found, units), units)
 
 
-def worth(state: la.LimitState) -> str:
+def claim(state: la.LimitState) -> Claim:
     """Return what a load factor proves."""
     deforms = bool(state.discretisation.continua)
     if deforms and state.rigor is la.Rigor.DISCRETE and state.status is la.Status.SOLVED:
-        return "estimate: certified on this mesh, but not a bound"
-    return state.discretisation.worth(state.rigor)
+        return Claim("estimate", "certified on this mesh, but not a bound")
+    return state.discretisation.claim(state.rigor)
 
 
 def mechanism(state: la.LimitState, units: Units) -> str:

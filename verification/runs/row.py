@@ -67,6 +67,7 @@ class Row:
             what is proven and cannot be compared, or ``no result`` of what claims nothing and need
             not: a regularised backend, or a coupling that is not the default; `why` says why.
         why: the rule that gave the verdict, with its numbers.
+        check: of a random problem that fails, the name of the check, or of the error.
         alpha_reg, regularised_lambda, P: the values of T19, as load factors.
         energy: C of T19.
         contraction: of the coupling loop.
@@ -129,6 +130,7 @@ class Row:
     calibration_after: float = nan
     log: str = ""
     findings: str = ""
+    check: str = ""
 
     def record(self) -> dict[str, Any]:
         """As columns."""

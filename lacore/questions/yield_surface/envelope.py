@@ -21,6 +21,8 @@ from lacore.problem.problem import Problem
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.hulls import gauge, parts_of_width
 from lacore.questions.yield_surface.search import Asking, Search
+from lacore.reporting.findings import Finding, texts
+from lacore.reporting.kinds import Kind
 from lacore.showing import Facts, Picture, Shown, counted
 
 if TYPE_CHECKING:
@@ -51,7 +53,7 @@ class Envelope(Shown):
             smaller `target_width` narrows.
         polyhedral_width: what would be left of `width` if inner met outer in each of them, which
             more directions narrow; at most both make up `width`, as factors above 1.
-        stopped: why it ended before `n` directions; empty where it did not.
+        stop: why it ended before `n` directions; None where it did not.
         rigor: what inner and outer prove.
         table: a row a direction: from ``centre`` along ``direction`` factors ``lower`` and
             ``upper`` (NaN where there is none), the ``status``, the factors of the point that is
@@ -70,7 +72,7 @@ class Envelope(Shown):
     width: float = field(metadata={"told": "largest distance along rays, per that of `inner`"})
     bound_width: float
     polyhedral_width: float
-    stopped: str
+    stop: Finding | None
     rigor: str
     table: pd.DataFrame
     centre: Floats
@@ -98,20 +100,28 @@ class Envelope(Shown):
         return True if far is not None and far[0] <= 1 else None
 
     @property
-    def message(self) -> str:
+    def findings(self) -> tuple[Finding, ...]:
         """What is proven, and how far apart both sides are."""
-        failed = int((~self.table["status"].isin(["solved", "reached"])).sum())
-        rest = f"; {counted(failed, 'direction')} of {len(self.table)} not (see the table)"
+        found = Finding(Kind.APART, values={"width": self.width})
         if not self.convex:
-            said = "certified points; what lies between them is not proven: friction is Coulomb's"
+            found = Finding(Kind.POINTS_ALONE)
         elif not self.bounded:
-            said = "unbounded: some combinations are carried however large"
-        else:
-            said = f"inner and outer at most {self.width:.2%} apart"
-        said += rest * (failed > 0)
-        if self.stopped:
-            said += f"; ended after {counted(len(self.table), 'direction')}: {self.stopped}"
-        return said
+            found = Finding(Kind.UNBOUNDED)
+        every = len(self.table)
+        failed = int((~self.table["status"].isin(["solved", "reached"])).sum())
+        missing = Finding(Kind.DIRECTIONS_FAILED, values={"count": failed, "every": every})
+        ended = Finding(Kind.DIRECTIONS_ENDED, values={"count": every, "why": self.stop})
+        return (found, *[missing] * (failed > 0), *[ended] * (self.stop is not None))
+
+    @property
+    def message(self) -> str:
+        """Text of the findings."""
+        return texts(self.findings)
+
+    @property
+    def stopped(self) -> str:
+        """Text of `stop`; empty where all directions were searched."""
+        return str(self.stop or "")
 
     def facts(self) -> Facts:
         """What is proven, and how well."""
@@ -210,7 +220,11 @@ def envelope(
     run = Search(asking, components.senses if convex else np.ones((1, k)), on_direction)
     run.along_axes(k)
     scale, centre = run.middle()
-    stopped = run.refine(centre, scale, n) if convex else run.around(centre, scale, n)
+    stop = None
+    if convex:
+        stop = run.refine(centre, scale, n)
+    else:
+        run.around(centre, scale, n)
     found = run.hulls(centre) if convex else None
     planes = np.array(run.planes).reshape(-1, k + 1)
     parts = (np.nan, np.nan)
@@ -229,7 +243,7 @@ def envelope(
         width=np.nan if found is None else found.width,
         bound_width=parts[0],
         polyhedral_width=parts[1],
-        stopped=stopped,
+        stop=stop,
         rigor=run.rigor,
         table=pd.DataFrame(run.rows),
         centre=centre,

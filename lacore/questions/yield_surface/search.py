@@ -21,16 +21,12 @@ from lacore.questions.worth import error, proven, worth
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.directions import apart, corners, spread
 from lacore.questions.yield_surface.hulls import Hulls, gauge, hulls
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.status import Rigor, Status
 
 _TRIES = 3  # of directions that nothing is proven in, before it is left as it is
 _AT_A_TIME = 2  # directions that are chosen at a time, whoever solves them
-_OPEN = "what is proven so far encloses no volume (see the table)"
-_NOTHING = f"in {_TRIES} directions nothing was proven (see the table)"
-_CORNERS = (
-    "all corners of the outer hull lie on directions that were solved; only narrower bounds for"
-    " each direction can reduce the distance further"
-)
 
 
 @dataclass(frozen=True)
@@ -251,11 +247,11 @@ class Search:
             )
         return half, ends.mean(axis=1) / k
 
-    def refine(self, centre: Floats, scale: Floats, n: int) -> str:
+    def refine(self, centre: Floats, scale: Floats, n: int) -> Finding | None:
         """Directions to where the outer side is farthest from the inner one.
 
         Returns:
-            Why it ended before `n` directions; empty where it did not.
+            Why it ended before `n` directions; None where it did not.
         """
         axes = len(self.rows)
         first: list[Floats] = []
@@ -267,17 +263,17 @@ class Search:
         tried: list[Floats] = []
         while len(self.rows) < n:
             if len(tried) >= _TRIES:
-                return _NOTHING
+                return Finding(Kind.NOTHING_PROVEN, values={"count": _TRIES})
             found = self.hulls(centre)
             if found is None:
-                return _OPEN
+                return Finding(Kind.NO_VOLUME)
             known = [np.array(row["direction"]) / scale for row in self.rows[axes:]]
             ways = self._farthest(found, centre, scale, [*known, *tried])[: n - len(self.rows)]
             if not ways:
-                return _CORNERS
+                return Finding(Kind.CORNERS_SOLVED)
             new = self.ask(centre, [scale * way for way in ways])
             tried += [way for way, any_ in zip(ways, new, strict=True) if not any_]
-        return ""
+        return None
 
     def _farthest(
         self, found: Hulls, centre: Floats, scale: Floats, known: Sequence[Floats]
@@ -305,12 +301,11 @@ class Search:
             far = nearer
         return ways
 
-    def around(self, centre: Floats, scale: Floats, n: int) -> str:
+    def around(self, centre: Floats, scale: Floats, n: int) -> None:
         """Directions at equal angles, or on a spiral around a sphere; always all of them."""
         ways = [scale * way for way in spread(centre.size, n - len(self.rows))]
         for begin in range(0, len(ways), _AT_A_TIME):
             self.ask(centre, ways[begin : begin + _AT_A_TIME])
-        return ""
 
     def hulls(self, centre: Floats) -> Hulls | None:
         """Both sides so far; None where points have no volume yet."""
@@ -324,7 +319,7 @@ class Search:
         """What inner and outer prove."""
         if not self.asking.convex:
             if self.asking.deforms:
-                return Rigor.DISCRETE.phrase
+                return Rigor.DISCRETE.value
             return "certified Coulomb states"
         if laws_of_crushing(self.asking.components.problem):
             return "from one side, by cells of joints that crush"

@@ -8,6 +8,7 @@ import pytest
 import lacore as la
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.hulls import hulls
+from lacore.reporting.kinds import Kind
 from tests.lacore.models import deformable_block, square
 from tests.lacore.shown import portal, unsafe, wall
 
@@ -59,7 +60,8 @@ def test_portal_frame_is_its_polygon():
     # Nothing tells a load from its opposite: one direction counts for both.
     assert len(found.table) <= 8
     # That it needed no more is said.
-    assert f"ended after {len(found.table)} directions: all corners" in found.message
+    assert found.stop.kind is Kind.CORNERS_SOLVED
+    assert f"ended after {len(found.table)} directions" in found.message
     assert found.polyhedral_width <= 1e-6
     figure = found.plot()
     figure.draw_without_rendering()
@@ -135,7 +137,7 @@ def test_the_width_is_that_of_bounds_and_that_of_corners():
     """Both as factors make up at least the whole, and neither is more than it."""
     loads = {"V": VERTICAL, "H": ASIDE}
     found = la.envelope(footing(nx=12, ny=2), loads, n=5)
-    assert not found.stopped
+    assert found.stop is None
     assert max(found.bound_width, found.polyhedral_width) <= found.width * (1 + 1e-9)
     both = (1 + found.bound_width) * (1 + found.polyhedral_width)
     assert 1 + found.width <= both * (1 + 1e-9)
@@ -248,7 +250,7 @@ def test_what_is_locked_is_unbounded():
     assert found.convex
     assert not found.bounded
     assert found.width == np.inf
-    assert "unbounded" in found.message
+    assert Kind.UNBOUNDED in [own.kind for own in found.findings]
     assert found.contains((0.6, 0.0)) is True
     assert found.contains((0.7, 0.0)) is False
     assert found.contains((0.0, -1.1)) is False  # more than lifts it
