@@ -23,6 +23,13 @@ from lacore.program import KinematicProgram, Scales
 from lacore.showing import Facts, Picture, Shown, counted, listed, sized
 from lacore.status import Claim, Rigor, Scope
 
+_EXACT = Claim("exact", "rigid blocks and frames have no discretisation")
+_OF_POLYGONS = {
+    Rigor.LOWER: Claim("strict lower bound", "polygons inside the yield curves of sections"),
+    Rigor.UPPER: Claim("strict upper bound", "polygons around the yield curves of sections"),
+    Rigor.DISCRETE: Claim("not a bound", "polygons inside and around the yield curves of sections"),
+}
+
 
 @dataclass(frozen=True, repr=False)
 class Discretisation(Shown):
@@ -73,10 +80,12 @@ class Discretisation(Shown):
 
     def claim(self, rigor: Rigor) -> Claim:
         """Return what a load factor proves; without a discretisation it bounds no continuum."""
-        if self.scope is Scope.DISCRETE or rigor not in (Rigor.UPPER, Rigor.DISCRETE):
+        known = (Rigor.UPPER, Rigor.LOWER, Rigor.DISCRETE)
+        if self.scope is Scope.DISCRETE or rigor not in known:
             return rigor.claim
         if self.full.associated_flow:
-            return Claim("exact", "rigid blocks and frames have no discretisation")
+            sides = [side for frame in self.frames.values() for side in frame.body.polygons]
+            return _OF_POLYGONS[rigor] if sides else _EXACT
         if rigor is Rigor.UPPER:
             return Claim(
                 "strict upper bound of Coulomb load factors", "friction dilates, or sticks"

@@ -323,7 +323,8 @@ def _strain(groups: Sequence[DissipationGroup], velocity: Floats) -> float:
 def _rigor(discretisation: Discretisation) -> Rigor:
     """What an admissible velocity proves: something of the continuum where edges are straight."""
     bodies = discretisation.continua.values()
-    strict = all(one.linear and one.body.geometry == "exact" for one in bodies)
+    inside = any("inner" in one.body.polygons for one in discretisation.frames.values())
+    strict = all(one.linear and one.body.geometry == "exact" for one in bodies) and not inside
     return Rigor.UPPER if strict else Rigor.DISCRETE
 
 

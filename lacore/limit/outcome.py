@@ -21,7 +21,7 @@ from lacore.program import KinematicProgram
 from lacore.reporting.findings import Finding
 from lacore.showing import Compact
 from lacore.state import ProgramState
-from lacore.status import Rigor, Status
+from lacore.status import Rigor, Scope, Status
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,12 @@ class Outcome(Compact):
             return Rigor.REGULARISED
         full = self.discretisation.full
         normal = COUPLINGS[self.coupling].bounds == "upper" or full.associated_flow
-        return Rigor.UPPER if normal and strict_bound(self.discretisation) else Rigor.DISCRETE
+        if normal and strict_bound(self.discretisation):
+            return Rigor.UPPER
+        stated = self.discretisation.problem
+        exact = self.discretisation.scope is Scope.ITSELF and full.associated_flow
+        below = exact and cells.from_below(stated) and not cells.from_above(stated)
+        return Rigor.LOWER if below else Rigor.DISCRETE
 
 
 def outcome_of(

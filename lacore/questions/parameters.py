@@ -153,12 +153,12 @@ def _stronger(section: Section, size: float) -> Callable[[float], Section]:
 
     def changed(value: float) -> Section:
         factor = value / size
-        upper, lower = (
+        upper, lower, other = (
             side if side is None else tuple((factor * axial, factor * own) for axial, own in side)
-            for side in (section.corners, section.lower)
+            for side in (section.corners, section.lower, section.other)
         )
         assert upper is not None
-        return replace(section, corners=upper, lower=lower)
+        return replace(section, corners=upper, lower=lower, other=other)
 
     return changed
 

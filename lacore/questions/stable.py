@@ -118,10 +118,12 @@ def stable(
     build_time, clock = time.perf_counter() - begin, SolveClock()
     given = backend, options or {}, "associated", tolerance, np.nan
     found = stability_of(discretisation, *given)
-    if found.standing is Standing.FALLS and cells.from_below(problem):
-        more = cells.with_cells(problem, cells.laws_of_crushing(problem), "above")
-        falls = stability_of(discretise(more), *given).standing is Standing.FALLS
-        found = replace(found, findings=()) if falls else _undecided(found, found.findings)
+    falls = found.standing is Standing.FALLS and cells.from_below(problem)
+    stands = found.standing is Standing.STANDS and cells.from_above(problem)
+    if falls or stands:
+        other = cells.on_side(problem, "above" if falls else "below")
+        same = stability_of(discretise(other), *given).standing is found.standing
+        found = replace(found, findings=()) if same else _undecided(found, found.findings)
     found = _of_the_continuum(problem, discretisation, found, backend, options or {})
     status = _STATUS[found.standing]
     state = LimitState(

@@ -3,6 +3,7 @@
 import numpy as np
 
 from lacore.coupling.kinds import COUPLINGS
+from lacore.limit.cells import from_above, from_below
 from lacore.limit.hinging import excess
 from lacore.limit.outcome import strict_bound
 from lacore.limit.state import LimitState
@@ -42,20 +43,24 @@ def proven(state: LimitState) -> tuple[float, float]:
     several load factors, maybe. What a coupling says that answers another problem counts as far as
     it bounds the one that is stated.
     """
+    stated = state.discretisation.problem
     exact = state.discretisation.scope is Scope.ITSELF
+    below, above = (exact and not wrong(stated) for wrong in (from_above, from_below))
     normal, kind = state.discretisation.full.associated_flow, COUPLINGS[state.coupling]
     if state.status is Status.LOCKED:
-        locked = exact and (normal or not kind.may_be_stronger)
+        locked = below and (normal or not kind.may_be_stronger)
         return (np.inf, np.inf) if locked else (-np.inf, np.inf)
     if state.status is Status.UNSAFE:
         falls = strict_bound(state.discretisation) and (normal or not kind.may_be_weaker)
         return -np.inf, -np.inf if falls else np.inf
     if exact and state.bracket is not None:
-        return state.bracket
-    if state.rigor is not Rigor.UPPER:
+        low, high = state.bracket
+        return low if below else -np.inf, high if above else np.inf
+    if state.rigor not in (Rigor.UPPER, Rigor.LOWER):
         return -np.inf, np.inf
     value = state.load_factor
     near = error(state)
     if excess(state) > 0:  # members under line loads: by the tolerance at most
         near = max(near, 2 * state.tolerance * abs(value))
-    return value - near if exact and normal else -np.inf, value + near
+    lower = value - near if below and normal else -np.inf
+    return lower, value + near if state.rigor is Rigor.UPPER else np.inf

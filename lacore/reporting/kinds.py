@@ -36,6 +36,18 @@ class Kind(Enum):
         "this is proven of the cells of joints that crush: the joints carry more than these; finer"
         " cells (lacore.Crushing, divisions) show how much"
     )
+    POLYGONS_FALL = (
+        "this is proven of the polygons inside the yield curves of sections, which carry less;"
+        ' polygons around them (polygon "outer") show how much'
+    )
+    POLYGONS_INSIDE = (
+        'sections are replaced by polygons inside their yield curves: the option polygon "outer"'
+        " gives an upper bound"
+    )
+    POLYGONS_AROUND = (
+        'sections are replaced by polygons around their yield curves: the option polygon "inner"'
+        " gives a lower bound"
+    )
     NO_STANDING_WATER = (
         "where free water stands on the ground, it acts on the ground, too: state a StandingWater"
     )

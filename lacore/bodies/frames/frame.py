@@ -143,6 +143,11 @@ class Frame(Shown):
             object.__setattr__(self, name, value)
 
     @property
+    def polygons(self) -> frozenset[str]:
+        """Sides, ``inner`` or ``outer``, on which polygons approximate yield curves of sections."""
+        return frozenset(own.side for own in self.section_of if own.side)
+
+    @property
     def contents(self) -> str:
         """``3 members, 4 nodes``."""
         members = counted(len(self.member_names), "member")

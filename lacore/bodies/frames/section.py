@@ -8,17 +8,18 @@ left to right (sagging). What an end of a member dissipates is in `lacore.bodies
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, isfinite
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import InputError, is_plane_vector, require_range
+from lacore.errors import InputError, is_plane_vector, require_known, require_range
 from lacore.showing import Compact
 
 _ROUND_OFF = 1e-9  # of the largest: coordinates of corners that are equal
+SIDES = INNER, OUTER = "inner", "outer"
 Corners = tuple[tuple[float, float], ...]
 
 
@@ -31,6 +32,9 @@ class Section(Compact):
             to tension, N and N m per unit thickness; N is infinite of members without limit
             to it: ``((-inf, M_p), (inf, M_p))``.
         name: for messages and tables.
+        side: ``inner`` or ``outer`` of a polygon inside or around a yield curve, whose load factors
+            are lower or upper bounds; empty where the polygon is the yield surface itself.
+        other: corners of the polygon on the other side of that curve.
         lower: its lower side, likewise; None: the mirror image, of what bears the same M in either
             sense. Then M >= 0 in `corners`.
         plastic_moment: the largest M of the polygon in either sense, N.
@@ -52,6 +56,8 @@ class Section(Compact):
     corners: Corners
     name: str = ""
     lower: Corners | None = None
+    side: str = ""
+    other: Corners | None = None
     plastic_moment: float = field(init=False)
     sagging: float = field(init=False)
     hogging: float = field(init=False)
@@ -65,6 +71,9 @@ class Section(Compact):
             lower = _read("Section.lower", self.lower, -1.0)
             object.__setattr__(self, "lower", tuple(map(tuple, lower.tolist())))
         _check_around(upper, lower, self.lower is None)
+        if self.side or self.other is not None:
+            require_known("Section.side", self.side, SIDES)
+            _read("Section.other", self.other or (), 1.0)
         object.__setattr__(self, "corners", tuple(map(tuple, upper.tolist())))
         sagging, hogging = float(upper[:, 1].max()), -float(lower[:, 1].min()) + 0.0
         object.__setattr__(self, "sagging", sagging)
@@ -73,6 +82,13 @@ class Section(Compact):
         first, last = upper[[0, -1], 0].tolist()
         object.__setattr__(self, "squash_load", (last - first) / 2)
         object.__setattr__(self, "middle", (first + last) / 2 if isfinite(last) else 0.0)
+
+    def on_side(self, side: str) -> Section:
+        """The section with its polygon on a side of the yield curve; itself where it has none."""
+        if not self.side or self.side == side:
+            return self
+        assert self.other is not None
+        return replace(self, corners=self.other, other=self.corners, side=side)
 
     @property
     def extends(self) -> bool:

@@ -17,7 +17,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from lacore.arrays import Floats
 from lacore.bodies.frames.profiles import PROFILES, Profile
-from lacore.bodies.frames.section import Section
+from lacore.bodies.frames.section import OUTER, SIDES, Corners, Section
 from lacore.errors import (
     InputError,
     is_number,
@@ -41,7 +41,6 @@ __all__ = [
     "standard",
 ]
 
-POLYGONS = ("inner", "outer")
 LAYERS = 8
 
 
@@ -207,8 +206,8 @@ def rectangle(
     require_count("layers", layers)
     stations = np.linspace(0.0, height / 2, layers + 1)
     area, moment = 2 * width * stations, width * (height**2 / 4 - stations**2)
-    corners = _corners(stations, yield_stress * area, yield_stress * moment, polygon)
-    return Section(corners, f"rectangle {width:g} x {height:g}")
+    name = f"rectangle {width:g} x {height:g}"
+    return _of_curve(stations, yield_stress * area, yield_stress * moment, polygon, name)
 
 
 def i_section(
@@ -280,20 +279,25 @@ def _of_profile(
         [np.linspace(0, web, sides + 1), np.linspace(web, half, sides + 1)[1:]]
     )
     axial, moment = yield_stress * profile.area(stations), yield_stress * profile.moment(stations)
-    return Section(_corners(stations, axial, moment, polygon), name)
+    return _of_curve(stations, axial, moment, polygon, name)
 
 
-def _corners(
-    stations: Floats, axial: Floats, moment: Floats, polygon: str
-) -> tuple[tuple[float, float], ...]:
+def _of_curve(stations: Floats, axial: Floats, moment: Floats, polygon: str, name: str) -> Section:
+    """A section with one of the two polygons of its curve, which knows the other one."""
+    require_known("polygon", polygon, SIDES)
+    inner, outer = (_corners(stations, axial, moment, side) for side in SIDES)
+    own, other = (outer, inner) if polygon == OUTER else (inner, outer)
+    return Section(own, name, side=polygon, other=other)
+
+
+def _corners(stations: Floats, axial: Floats, moment: Floats, polygon: str) -> Corners:
     """Both halves of a polygon from places of the neutral axis, where ``dM/dN = -y``."""
-    require_known("polygon", polygon, POLYGONS)
-    if polygon == "outer":
+    if polygon == OUTER:
         met = np.diff(moment + stations * axial) / np.diff(stations)
         height = moment[:-1] - stations[:-1] * (met - axial[:-1])
         axial, moment = np.append(met, axial[-1]), np.append(height, moment[-1])
     own = np.stack([axial, moment], axis=1)
     own = own[own[:, 0] > 0]
-    peak = [] if polygon == "outer" else [(0.0, float(moment[0]))]
+    peak = [] if polygon == OUTER else [(0.0, float(moment[0]))]
     left = [(-n, m) for n, m in own[::-1].tolist()]
     return (*left, *peak, *map(tuple, own.tolist()))

@@ -233,7 +233,8 @@ def _section(own: Section) -> Any:
         return {"plastic_moment": plain(own.sagging), **hogging}
     name = {"name": own.name} if own.name else {}
     lower = {} if own.lower is None else {"lower": plain(own.lower)}
-    return {"corners": plain(own.corners), **name, **lower}
+    curve = {} if own.other is None else {"side": own.side, "other": plain(own.other)}
+    return {"corners": plain(own.corners), **name, **lower, **curve}
 
 
 def plain(value: Any) -> Any:

@@ -7,7 +7,9 @@ the others see the status that remains.
 from collections.abc import Callable, Iterable, Iterator
 
 from lacore.assembly.sticking import opening
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.regions.lending import next_to_none, strengthless
+from lacore.bodies.frames.frame import Frame
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.limit import cells
 from lacore.limit.judges.driven_corners import driven_corners
@@ -65,6 +67,15 @@ def polygon(outcome: Outcome, status: Status) -> Iterator[Finding]:
     curved = any(body.geometry != "exact" for body in bodies)
     if curved and outcome.rigor(status) is Rigor.DISCRETE:
         yield Finding(Kind.POLYGON, severity=Severity.WARNING)
+
+
+def polygons_of_sections(outcome: Outcome, status: Status) -> Iterator[Finding]:
+    """A load factor is a bound of a frame whose yield curves are replaced by polygons."""
+    problem = outcome.discretisation.problem
+    if status is Status.SOLVED and of_kind(problem.bodies, Frame):
+        inside, around = cells.from_below(problem), cells.from_above(problem)
+        if inside != around and outcome.discretisation.scope is Scope.ITSELF:
+            yield Finding(Kind.POLYGONS_INSIDE if inside else Kind.POLYGONS_AROUND)
 
 
 def other_load_factors(outcome: Outcome, status: Status) -> Iterator[Finding]:
@@ -153,6 +164,7 @@ DESCRIBING: tuple[Judge, ...] = (
     other_native_status,
     bracket,
     polygon,
+    polygons_of_sections,
     other_load_factors,
     locked_on_mesh,
     shared_corners,

@@ -84,6 +84,10 @@ class Polygon(Entry):
     name: str = ""
     lower: tuple[tuple[Axial, Moment], ...] | None = None
     """The lower side likewise; the mirror image if it is left out."""
+    side: Literal["inner", "outer"] | None = None
+    """Inside or around a yield curve; left out where the polygon is the yield surface itself."""
+    other: tuple[tuple[Axial, Moment], ...] | None = None
+    """Corners of the polygon on the other side of the curve."""
 
 
 _KEYS = {
