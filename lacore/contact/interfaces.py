@@ -27,7 +27,8 @@ class Interface(Compact):
     Attributes:
         slave: ``(body name, where)``, see `lacore.types.Where`; it ends where facets do.
         master: a `RigidObstacle`, or ``(body name, where)`` of another body. The two boundaries
-            touch along straight parts; their meshes need not match.
+            touch along straight parts; their meshes need not match. Along a path it may be another
+            part of the same body, see `lacore.sequential`.
         friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`,
             `BOND`. STICK forbids slip wherever the body is, also where it lifts off, but opens
             freely, without any tension: the limit mu -> infinity of associated friction, not of
@@ -59,13 +60,6 @@ class Interface(Compact):
                 "not an obstacle or a boundary",
                 "give lacore.RigidObstacle() or (body name, where)",
             )
-        if len({name for name, _ in self.sides}) < len(self.sides):
-            raise InputError(
-                "Interface.master",
-                self.slave[0],
-                "a body in contact with itself",
-                "make its parts bodies of their own (blocks of one assembly find their joints)",
-            )
         object.__setattr__(self, "friction", self.law)
 
     @property
@@ -87,6 +81,11 @@ class Interface(Compact):
     def law(self) -> Friction:
         """The friction law, a bare coefficient read as Coulomb friction."""
         return friction_law(self.friction, "Interface.friction")
+
+    @property
+    def self_contact(self) -> bool:
+        """Whether both sides belong to one body."""
+        return len({name for name, _ in self.sides}) < len(self.sides)
 
     @property
     def bonded(self) -> bool:

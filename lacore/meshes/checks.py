@@ -55,10 +55,13 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
         InputError: vertices that are not finite or not used, elements without area, slivers,
             elements that are not convex, inverted or overlapping, hanging nodes, parts.
     """
-    check_finite(mesh, field)
     if is_curved(mesh):
-        _check_curved(mesh, field)
+        check_curved(mesh, field)
+        straight = subdivided(mesh)
+        check_hanging(straight, field)
+        _check_overlaps(straight, field)
         return
+    check_finite(mesh, field)
     check_used(mesh, field)
     _check_shapes(mesh, field)
     _check_facets(mesh, field)
@@ -130,8 +133,9 @@ def centre(mesh: MeshTri | MeshQuad | MeshTet, element: int) -> str:
     return at(mesh.p[:, mesh.t[:, element]].mean(axis=1))
 
 
-def _check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
-    """Elements with midside nodes; what straight ones between all nodes show of the rest."""
+def check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
+    """Refuse inverted elements with midside nodes, and parts; elements may touch or overlap."""
+    check_finite(mesh, field)
     least, size = jacobians(mesh).min(axis=1), np.ptp(mesh.p[:, mesh.t], axis=1).max(axis=0)
     wrong = np.flatnonzero(~(least > SLIVER * size**2))
     if wrong.size:
@@ -144,9 +148,6 @@ def _check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
         )
     _check_crowded(mesh, field)
     check_connected(mesh, field)
-    straight = subdivided(mesh)
-    check_hanging(straight, field)
-    _check_overlaps(straight, field)
 
 
 def _check_shapes(mesh: MeshTri | MeshQuad, field: str) -> None:

@@ -54,7 +54,9 @@ def whole_or_to_fold(
         jacobian = require_upright(walk.stage, configuration)
         further = {name: (1 + _AHEAD) * moved for name, moved in moves.items()}
         beyond = here.configuration.moved(further, stride.strained)
-        fold = first_fold(*map(walk.stage.meshes_at, (here.configuration, beyond)))
+        stage = walk.stage
+        before, after = stage.meshes_at(here.configuration), stage.meshes_at(beyond)
+        fold = first_fold(before, after, stage.pairs)
         if fold is not None:
             fold = replace(fold, share=(1 + _AHEAD) * fold.share)
         if fold is None or fold.share > 1 or distance < shortest:

@@ -21,8 +21,8 @@ class Ending(Enum):
         " short edge of its own that faces the other body, or take smaller steps"
     )
     FOLDED = (
-        "contact of a body with itself is not followed: end the path before it folds, or divide the"
-        " body there into two bodies with an interface between them"
+        "no interface is stated between the two parts of the boundary that meet: name both parts"
+        " and add an interface between them to 'approaching', or end the path before"
     )
     STANDSTILL = (
         "the control does not move in its direction: turn its direction around, or follow another"

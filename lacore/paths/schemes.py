@@ -322,7 +322,7 @@ def require_upright(stage: Stage, configuration: Configuration) -> float:
 def _require_unfolded(stage: Stage, before: Configuration, after: Configuration) -> None:
     """Raise `FoldedError` where a body comes to touch itself as it moves."""
     if before is not after:
-        fold = first_fold(*map(stage.meshes_at, (before, after)))
+        fold = first_fold(stage.meshes_at(before), stage.meshes_at(after), stage.pairs)
         if fold is not None:
             raise FoldedError(fold)
 

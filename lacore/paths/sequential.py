@@ -91,9 +91,9 @@ def sequential(
             ``implicit-euler`` (order 1, iterated); T30.
         control: what the travel is of: `FootingTravel` (the default), `PointTravel`, `ToolTravel`
             of rigid blocks with given velocities, or `Time`; by default that of `tools` that move.
-        approaching: interfaces with obstacles, planes or shapes, or of two bodies, that do not
-            touch yet, or in part. How a corner that two interfaces share splits its reaction
-            between them has no meaning.
+        approaching: interfaces with obstacles, planes or shapes, of two bodies, or of two parts of
+            the boundary of a body that folds, that do not touch yet, or in part. How a corner that
+            two interfaces share splits its reaction between them has no meaning.
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
             same load, at the cost of one or two more solves each time. By default hardening
             decides alone; an event ``velocity not unique`` says where that is not enough (T32).

@@ -22,12 +22,14 @@ from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.following import moving_along
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
+from lacore.bodies.touching import TOUCH
 from lacore.conditions.loads import Load, PointForce
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle, RigidObstacle
 from lacore.errors import InputError
 from lacore.meshes.curved import signed_jacobians
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.folding_body import FoldingBody
 from lacore.paths.contact.pairs import Pair
 from lacore.paths.contact.poses import carried_along, placed, pose, require_single
 from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of, tool_of
@@ -215,6 +217,7 @@ def staged(
     approaching: Sequence[Interface],
     drives: Mapping[str, Floats] | None = None,
     tools: Tooling = NO_TOOLS,
+    depth: float = TOUCH,
 ) -> Stage:
     """A problem made ready for a path.
 
@@ -224,6 +227,7 @@ def staged(
         approaching: more interfaces, whose sides need not touch yet.
         drives: motions of the tools that move together, see `Problem.driven`; None of none.
         tools: of an exact shape.
+        depth: up to which bodies may overlap, of the size of the larger one.
 
     Raises:
         InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
@@ -243,6 +247,9 @@ def staged(
     for name, block in rigid.items():
         require_single(name, block)
     bodies = {n: _curved(n, body) for n, body in problem.bodies.items() if n not in rigid}
+    for own in approaching:
+        if own.self_contact and (name := own.slave[0]) in bodies:
+            bodies[name] = FoldingBody.of(bodies[name])
     names = Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
 
     def renamed(part: Any) -> Any:
@@ -272,7 +279,7 @@ def staged(
     ]
     obstacles = tuple(obstacle_of(interface, bodies, names, tools.shapes) for interface in facing)
     pairs = tuple(
-        pair_of(interface, {**bodies, **rigid}, names, where)
+        pair_of(interface, {**bodies, **rigid}, names, where, depth)
         for where, interface in fields.items()
         if interface not in facing
     )

@@ -26,6 +26,7 @@ from lacore.problem.dimensions import (
     dimension_of,
 )
 from lacore.problem.wet import check_wet
+from lacore.reporting import terms
 from lacore.reporting.text import Term, sizes, text
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
@@ -184,6 +185,17 @@ class Problem(Shown):
                 raise InputError(where, interface, "not an interface", "give lacore.Interface")
             for side, (name, _) in zip(("slave", "master"), interface.sides, strict=False):
                 self._body(name, f"{where}.{side}")
+            if interface.self_contact:
+                raise InputError(
+                    f"{where}.master",
+                    interface.slave[0],
+                    "a body in contact with itself",
+                    text(
+                        "make its parts bodies of their own (blocks of one assembly find their"
+                        " joints), or follow it along a path and give the interface in {}",
+                        terms.APPROACHING,
+                    ),
+                )
             check_interface_dimension(interface, where, dimension)
         check_contacts(self)
         check_wet(self.loads, self.interfaces)

@@ -15,6 +15,7 @@ LAYERED = Term("lacore.meshes.layered", 'shape = "layered"')
 OF_PLACE = Term("a function of coordinates (2, n)", "numbers that vary with the place")
 
 SUPPORT = Term("Fix", "support")
+APPROACHING = Term("`approaching` of lacore.sequential", "[[path.approaching]]")
 REFERENCE_LOADS = Term("Problem.reference_loads", "reference_loads")
 PRESSURE = Term("Pressure", 'load = "pressure"')
 POINT_FORCE = Term("PointForce", 'load = "point-force"')

@@ -109,7 +109,7 @@ class Body(Shown):
                 " the vertex rule has a motion without energy at the axis",
                 "take 'p2-gauss', or 'q2' on quadrilaterals",
             )
-        _check_mesh(self.mesh, space)
+        self.check_elements(space)
         if self.geometry is None:
             object.__setattr__(self, "geometry", outline_of(self.mesh))
         if self.axisymmetric:
@@ -129,6 +129,10 @@ class Body(Shown):
                     Term("lacore.meshes.rectangle(crossed=True)", "crossed = true"),
                 ),
             )
+
+    def check_elements(self, space: VelocitySpace) -> None:
+        """Raise `InputError` for a mesh that does not fit the space, or that no body can have."""
+        _check_mesh(self.mesh, space)
 
     @property
     def contents(self) -> str:

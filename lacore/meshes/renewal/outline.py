@@ -30,6 +30,7 @@ _SAMPLES = 8  # parts of an old edge, in which its length is measured
 _SAME = 1e-9  # of the size of the mesh
 _LEAST_JACOBIAN = 0.1  # of its mean in an element: below, edges are made straighter
 _LEAST = 3  # edges of a closed line
+_INWARDS = 0.05  # of an edge: how far vertices are moved where a body is in contact with itself
 _GAUSS = np.array([1 - 1 / np.sqrt(3), 1 + 1 / np.sqrt(3)]) / 2
 
 
@@ -96,7 +97,9 @@ def remeshed(
     held = [np.asarray(mesh.boundaries[name], dtype=np.int64) for name in keep_edges]
     kept = np.reshape(np.array(keep, dtype=float), (-1, 2))
     outlines, inside = _outlines(mesh, sizes, kept, np.unique(np.concatenate([[], *held])))
-    points, triangles = _triangulated(outlines, inside, sizes)
+    lines = _apart([outline.start for outline in outlines])
+    points, triangles = _triangulated(lines, inside, sizes)
+    points[: sum(map(len, lines))] = np.concatenate([outline.start for outline in outlines])
     straight = MeshTri1(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
     known = {ends: facet for facet, ends in enumerate(map(tuple, straight.facets.T.tolist()))}
     new, old, first = [], [], 0
@@ -266,10 +269,36 @@ def _swept(side: EdgeCurves, edge: Ints, s: Floats) -> Floats:
     return area
 
 
-def _triangulated(
-    outlines: Sequence[_Outline], inside: Floats, sizes: Sizes
-) -> tuple[Floats, Ints]:
-    """Points (n, 2), those of the outlines first, and triangles (m, 3), by gmsh."""
+def _apart(lines: list[Floats]) -> list[Floats]:
+    """Closed lines that do not cross, the outermost first.
+
+    Where a body is in contact with itself they do, by little. Gmsh would not end then: all vertices
+    are moved into the body.
+
+    Raises:
+        InputError: they still cross.
+    """
+    if shapely.is_valid(shapely.Polygon(lines[0], lines[1:])):
+        return lines
+    moved = []
+    for number, line in enumerate(lines):
+        along = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
+        inwards = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        if shapely.LinearRing(line).is_ccw == (number > 0):
+            inwards = -inwards
+        moved.append(line + _INWARDS * inwards / 2)
+    if not shapely.is_valid(shapely.Polygon(moved[0], moved[1:])):
+        raise InputError(
+            "remeshed",
+            None,
+            "the outline crosses itself, and gmsh needs one that does not",
+            "give a smaller size, or end the path before",
+        )
+    return moved
+
+
+def _triangulated(lines: Sequence[Floats], inside: Floats, sizes: Sizes) -> tuple[Floats, Ints]:
+    """Points (n, 2), those of the closed lines first, and triangles (m, 3), by gmsh."""
     gmsh = load_gmsh()
     ours = not gmsh.isInitialized()
     if ours:
@@ -279,9 +308,8 @@ def _triangulated(
     gmsh.model.add("remeshed")
     try:
         geometry, loops, corners = gmsh.model.geo, [], []
-        for outline in outlines:
-            lengths = sizes(outline.start.T)
-            starts = zip(outline.start.tolist(), lengths.tolist(), strict=True)
+        for line in lines:
+            starts = zip(line.tolist(), sizes(line.T).tolist(), strict=True)
             tags = [geometry.addPoint(x, y, 0, size) for (x, y), size in starts]
             pairs = zip(tags, tags[1:] + tags[:1], strict=True)
             sides = [geometry.addLine(one, two) for one, two in pairs]

@@ -1,4 +1,4 @@
-"""Folds: where, and when within a step, the boundary of a body comes to touch itself.
+"""Folds: where, and when within a step, a body touches itself without contact that is stated.
 
 Edges are taken as polylines, whose points move along straight lines within a step. A point is on
 the line of a segment where a quadratic polynomial of the time is zero: straight edges are exact.
@@ -6,7 +6,7 @@ the line of a segment where a quadratic polynomial of the time is zero: straight
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,6 +16,7 @@ from skfem import Mesh
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.meshes.curved import edge_curves
+from lacore.paths.contact.pairs import Pair
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity
@@ -48,20 +49,32 @@ class Fold(Compact):
         return Finding(Kind.FOLD, (self.body,), values, Severity.DETAIL)
 
 
-def first_fold(before: Mapping[str, Mesh], after: Mapping[str, Mesh]) -> Fold | None:
-    """The first fold as bodies move; None of none.
+def first_fold(
+    before: Mapping[str, Mesh], after: Mapping[str, Mesh], pairs: Sequence[Pair] = ()
+) -> Fold | None:
+    """The first fold as bodies move, between parts that no pair keeps apart; None of none.
 
     Args:
         before, after: the same meshes at the beginning and at the end of the motion, by body.
+        pairs: of the path.
     """
-    found = [_fold(name, mesh, after[name]) for name, mesh in before.items()]
+    folding = [pair for pair in pairs if pair.self_contact]
+    found = [
+        _fold(name, mesh, after[name], [own for own in folding if own.slave.body == name])
+        for name, mesh in before.items()
+    ]
     return min((own for own in found if own is not None), key=lambda own: own.share, default=None)
 
 
-def _fold(name: str, before: Mesh, after: Mesh) -> Fold | None:
+def _fold(name: str, before: Mesh, after: Mesh, pairs: Sequence[Pair]) -> Fold | None:
     first, segments = _polylines(before)
     motion = _polylines(after)[0] - first
     point, segment = _near(first, first + motion, segments)
+    for pair in pairs:
+        one, other = (_points_of(before, side.edges) for side in pair.sides)
+        kept = one[point] & other[segments[:, segment]].any(axis=0)
+        kept |= other[point] & one[segments[:, segment]].any(axis=0)
+        point, segment = point[~kept], segment[~kept]
     start, end = segments[:, segment]
     on = _ON * float(np.ptp(first, axis=1).max())
     shares = _met(first, motion, point, start, end, on)  # two of each pair
@@ -89,6 +102,14 @@ def _polylines(mesh: Mesh) -> tuple[Floats, Ints]:
     chain = [numbers[0], *middle, numbers[1]]
     segments = [np.stack([one, two]) for one, two in pairwise(chain)]
     return np.concatenate([mesh.p[:, used], *inner], axis=1), np.concatenate(segments, axis=1)
+
+
+def _points_of(mesh: Mesh, edges: Ints) -> Bools:
+    """Which points of the polylines lie on some edges."""
+    facets = mesh.boundary_facets()
+    used = np.unique(mesh.facets[:, facets])
+    ends = np.isin(used, mesh.facets[:, edges])
+    return np.concatenate([ends, np.tile(np.isin(facets, edges), _PARTS - 1)])
 
 
 def _near(before: Floats, after: Floats, segments: Ints) -> tuple[Ints, Ints]:

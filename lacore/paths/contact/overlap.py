@@ -5,13 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from lacore.arrays import Floats, Geometries
+from lacore.arrays import Floats, Geometries, Ints
 from lacore.bodies.any_body import PlaneBody, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
-from lacore.paths.contact.meeting import meeting
 from lacore.paths.contact.outlines import Outline
-from lacore.paths.contact.pair_stations import outlines
+from lacore.paths.contact.pair_stations import facing, outlines
 from lacore.paths.contact.pairs import DEEP, Pair
 
 DEEPEST = 0.1  # of the size of the smaller body: how deep overlaps are looked for
@@ -23,7 +22,7 @@ Touching = set[tuple[str, int]]
 
 def overlap_and_touching(pair: Pair, bodies: Mapping[str, PlaneBody]) -> tuple[float, Touching]:
     """How deep the sides of a pair overlap, m, at least 0, and which edges of both touch."""
-    found = meeting(*outlines(pair, bodies), DEEPEST * pair.size)
+    found = facing(pair, outlines(pair, bodies), DEEPEST * pair.size)
     gaps = found.gaps()
     touching = (gaps <= pair.near).any(axis=0)
     edges = {
@@ -43,25 +42,33 @@ def corner_inside(
         sides = outlines(pair, bodies)
         names = [side.body for side in pair.sides]
         for own, other, name in ((sides[0], sides[1], names[1]), (sides[1], sides[0], names[0])):
-            depth, place = _deepest(own, other, solids[name])
+            places = np.concatenate([own.curves.start, own.curves.end], axis=1)
+            vertex, element = _inside(places, solids[name])
+            if pair.self_contact:  # the elements around a vertex are not the other side
+                corners = shapely.get_coordinates(solids[name]).reshape(len(solids[name]), -1, 2)
+                own_corner = (corners[element] == places.T[vertex, None]).all(axis=2).any(axis=1)
+                vertex = vertex[~own_corner]
+            depth, place = _deepest(places[:, np.unique(vertex)], other)
             bulge = np.linalg.norm(other.curves.bulge, axis=0).max(initial=0.0)
             if depth > DEEP * pair.size + bulge:
                 return pair, depth, place
     return None
 
 
-def _deepest(own: Outline, other: Outline, solid: Geometries) -> tuple[float, Floats]:
-    """How deep a vertex of one side is inside the body of the other, and where it is."""
-    places = np.concatenate([own.curves.start, own.curves.end], axis=1)
-    vertices = shapely.points(places.T)
-    inside = np.unique(shapely.STRtree(solid).query(vertices, predicate="intersects")[0])
+def _inside(places: Floats, solid: Geometries) -> Ints:
+    """Pairs of a place and an element that contains it, (2, n)."""
+    return np.asarray(shapely.STRtree(solid).query(shapely.points(places.T), "intersects"))
+
+
+def _deepest(inside: Floats, other: Outline) -> tuple[float, Floats]:
+    """How deep places inside a body, shape (2, n), are behind a side of it, and the deepest one."""
     if not inside.size:
         return 0.0, np.zeros(2)
     drawn = np.stack([other.curves.at(s).T for s in _DRAWN], axis=1)
     face = shapely.multilinestrings(shapely.linestrings(drawn))
-    depths = shapely.distance(vertices[inside], face)
+    depths = shapely.distance(shapely.points(inside.T), face)
     worst = int(np.argmax(depths))
-    return float(depths[worst]), places[:, inside[worst]]
+    return float(depths[worst]), inside[:, worst]
 
 
 def _solids(bodies: Mapping[str, PlaneBody]) -> dict[str, Geometries]:

@@ -21,6 +21,7 @@ from lacore.paths.contact.outlines import Outline, outline
 from lacore.paths.contact.pairs import DEEP, Pair
 from lacore.paths.contact.stations import Station
 
+_THIN = 0.25  # of the shortest edge: sides of one body that overlap more enclose a part of it
 _SMOOTH = np.cos(np.radians(15.0))  # edges that turn less against each other stand for one curve
 # Gauss rule on (0, 1): exact up to degree 5, and where the length of a curved edge is smooth.
 _PLACES, _WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1) / 2, np.array([5, 8, 5]) / 18
@@ -29,6 +30,20 @@ _PLACES, _WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1) / 2, np.array([5
 def outlines(pair: Pair, bodies: Mapping[str, PlaneBody]) -> tuple[Outline, Outline]:
     """Slave and master at one configuration."""
     return outline(pair.slave, bodies), outline(pair.master, bodies)
+
+
+def facing(pair: Pair, sides: tuple[Outline, Outline], depth: float) -> Meeting:
+    """The segments on which the sides of a pair face each other, see `meeting`.
+
+    Args:
+        pair: two sides; of one body, sides that overlap much have a part of the body in between.
+        sides: their outlines.
+        depth: see `meeting`.
+    """
+    if not pair.self_contact:
+        return meeting(*sides, depth)
+    shortest = min(float(own.lengths.min()) for own in sides)
+    return meeting(*sides, min(depth, _THIN * shortest))
 
 
 def pair_station(
@@ -51,7 +66,7 @@ def pair_station(
     moved = [np.abs(b.curves.middle - a.curves.middle) for a, b in zip(first, here, strict=True)]
     depth = pair.near + 3 * max(float(own.max(initial=0.0)) for own in moved)
     depth = max(depth, DEEP * pair.size)  # at the end of a step nothing moves, and sides overlap
-    found = meeting(*here, depth)
+    found = facing(pair, here, depth)
     own = [dofs[side.body] for side in pair.sides]
     values = _control_values(found, found.on(*first, here), own, n)
     point = _points(values)

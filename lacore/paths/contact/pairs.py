@@ -68,6 +68,11 @@ class Pair(Compact):
         return self.slave, self.master
 
     @property
+    def self_contact(self) -> bool:
+        """Whether both sides belong to one body."""
+        return self.slave.body == self.master.body
+
+    @property
     def near(self) -> float:
         """Distance up to which points count as touching, m."""
         return _NEAR * self.size + self.misfit

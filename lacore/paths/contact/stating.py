@@ -15,9 +15,9 @@ from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle, Plane, Shape
 from lacore.errors import InputError
-from lacore.paths.contact.meeting import SHARES, meeting
+from lacore.paths.contact.meeting import SHARES
 from lacore.paths.contact.overlap import DEEPEST, corner_inside
-from lacore.paths.contact.pair_stations import outlines
+from lacore.paths.contact.pair_stations import facing, outlines
 from lacore.paths.contact.pairs import Pair, Side, misfit
 from lacore.paths.tools.overlap import overlapping
 from lacore.reporting import terms
@@ -160,9 +160,20 @@ def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:
 
 
 def pair_of(
-    interface: Interface, bodies: Mapping[str, PlaneBody], names: Names, field: str
+    interface: Interface,
+    bodies: Mapping[str, PlaneBody],
+    names: Names,
+    field: str,
+    depth: float = TOUCH,
 ) -> Pair:
     """Two bodies that may touch.
+
+    Args:
+        interface: of two bodies, or of two parts of one.
+        bodies: all of them.
+        names: of the boundaries of those that deform.
+        field: of the interface, in errors.
+        depth: up to which the sides may overlap, of the size of the larger body.
 
     Raises:
         InputError: no such body or boundary, a law that a path does not follow, bodies that
@@ -184,6 +195,8 @@ def pair_of(
             given.append((name, where))
         sides.append(side)
     one, other = sides
+    if interface.self_contact:
+        _check_parts(one, other, field, bodies)
     pair = Pair(
         interface=Interface(given[0], given[1], interface.law),
         slave=one,
@@ -191,12 +204,12 @@ def pair_of(
         size=min(bodies[side.body].size for side in (one, other)),
         misfit=max(misfit(bodies[side.body], side.edges) for side in (one, other)),
     )
-    facing = meeting(*outlines(pair, bodies), DEEPEST * pair.size)
-    gaps = facing.gaps()
-    allowed = max(pair.near, *(TOUCH * bodies[side.body].size for side in pair.sides))
+    found = facing(pair, outlines(pair, bodies), DEEPEST * pair.size)
+    gaps = found.gaps()
+    allowed = max(pair.near, *(depth * bodies[side.body].size for side in pair.sides))
     if gaps.min(initial=0.0) < -allowed:
         deepest = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
-        x, y = facing.places(SHARES[deepest[0]])[0][:, deepest[1]].tolist()
+        x, y = found.places(SHARES[deepest[0]])[0][:, deepest[1]].tolist()
         raise InputError(
             field,
             interface.name,
@@ -207,8 +220,8 @@ def pair_of(
             ),
             "move one of the bodies so that they touch or are apart",
         )
-    if (found := corner_inside([pair], bodies)) is not None:
-        _, depth, (x, y) = found
+    if (inside := corner_inside([pair], bodies)) is not None:
+        _, depth, (x, y) = inside
         raise InputError(
             field,
             interface.name,
@@ -220,6 +233,21 @@ def pair_of(
             "move one of the bodies so that they touch or are apart",
         )
     return pair
+
+
+def _check_parts(one: Side, other: Side, field: str, bodies: Mapping[str, PlaneBody]) -> None:
+    """Raise `InputError` for parts of one body that cannot be in contact."""
+    if not bodies[one.body].deforms:
+        raise InputError(
+            f"{field}.master", one.body, "a rigid block does not touch itself", "give another body"
+        )
+    if shared := np.intersect1d(one.edges, other.edges).size:
+        raise InputError(
+            f"{field}.master",
+            one.body,
+            f"both parts of its boundary contain the same {shared} edges",
+            "give the two parts that meet as boundaries without common edges",
+        )
 
 
 def check_once(obstacles: Sequence[Obstacle], bodies: Mapping[str, Body]) -> None:

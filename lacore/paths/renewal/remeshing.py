@@ -15,6 +15,7 @@ from lacore.contact.obstacles import Obstacle
 from lacore.errors import InputError, require_known
 from lacore.meshes.curved import is_curved
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.pairs import DEEP
 from lacore.paths.control import Control, PointTravel
 from lacore.paths.renewal.mesher import Point, Remeshing
 from lacore.paths.renewal.transfer import transfer_errors, transferred
@@ -114,7 +115,9 @@ def restaged(
         require_known("remesh", name, deforming)
         bodies[name] = _on(name, deforming[name], mesh, stage.obstacles_at(configuration))
     tools = Tooling(stage.shapes_at(configuration))
-    new = staged(replace(now, bodies=bodies), stage.interfaces, stage.problem.driven, tools)
+    renewed = replace(now, bodies=bodies)
+    # Other vertices on curved sides that touch make them overlap; the next step closes that.
+    new = staged(renewed, stage.interfaces, stage.problem.driven, tools, DEEP)
     start = new.start
     before, after = stage.dofs_at(configuration), new.dofs_at(start)
     strain = {

@@ -59,7 +59,7 @@ def test_a_path_ends_where_the_body_touches_itself(scheme, steps):
     assert path.history["end"].iloc[-1] == pytest.approx(GAP, rel=2e-5)
     assert event.step == path.history["step"].iloc[-1]
     assert "the boundary of 'jaw' touches itself near (" in path.message
-    assert "divide the body there into two bodies" in path.message
+    assert "add an interface between them to 'approaching'" in path.message
 
 
 def test_a_path_that_ends_before_is_not_folded():

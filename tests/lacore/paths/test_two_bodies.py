@@ -218,11 +218,6 @@ def test_what_two_bodies_cannot_be(build, message):
         la.sequential(problem, 0.1, 2, approaching=approaching)
 
 
-def test_a_body_does_not_meet_itself():
-    with pytest.raises(la.InputError, match="a body in contact with itself"):
-        la.Interface(("a", "left"), ("a", "right"), 0.1)
-
-
 def test_a_path_of_two_bodies_continues_from_its_checkpoint(tmp_path):
     file = tmp_path / "path.npz"
     first = la.sequential(sled(), 0.5, 1, checkpoint=file)

@@ -166,8 +166,8 @@ def test_obstacle_that_touches():
             ("Interface.master = 'b'", "not an obstacle", "RigidObstacle()"),
         ),
         (
-            lambda: la.Interface(("a", "top"), ("a", "bottom"), 0.1),
-            ("Interface.master = 'a'", "in contact with itself"),
+            lambda: problem(interfaces=[la.Interface(("block", "top"), ("block", "left"), 0.1)]),
+            ("interfaces[0].master = 'block'", "in contact with itself", "`approaching`"),
         ),
         (lambda: la.RigidObstacle(point=(0, 0)), ("RigidObstacle", "both or none")),
         (lambda: la.RigidObstacle((0, 0), (0, 0)), ("RigidObstacle.normal", "vector != 0")),
