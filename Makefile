@@ -17,7 +17,7 @@ FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regulari
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
 	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 
-.PHONY: help compare verify fuzz test test-slice test-all test-kernels test-browser test-site test-wheel lint bench bench-all bench-page readme architecture reference docs results clean
+.PHONY: help compare verify fuzz test test-slice test-all test-kernels test-browser test-site test-wheel mutants lint bench bench-all bench-page readme architecture reference docs results clean
 
 help:
 	@echo "make compare   compare all applicable backends on every case, and write reports/compare/index.html"
@@ -30,6 +30,7 @@ help:
 	@echo "make test-browser   open a report in Chromium; fails if it is not installed"
 	@echo "make test-site   build the site without pictures, check its links, open it in Chromium"
 	@echo "make test-wheel   install the wheel in a clean environment for each installed Python, and try it"
+	@echo "make mutants   inject errors one at a time, and report which of them the fast tests do not notice"
 	@echo "make lint      check formatting, lint and types"
 	@echo "make bench     run the benchmarks (20 minutes) and append records to reports/benchmarks.jsonl"
 	@echo "make bench-all   run the long benchmarks too, several minutes each"
@@ -95,6 +96,9 @@ test-site: $(READY)
 
 test-wheel: $(READY)
 	$(BIN)/python -m pytest tests/test_wheel.py -m "slow or not slow" -rs
+
+mutants: $(READY)
+	$(BIN)/python -m tests.mutants $(MUTANTS_ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -290,3 +290,9 @@ def test_a_frozen_contact_is_judged_by_its_own_law():
     rows = d.program.contact
     tresca = replace(rows, coefficient=0 * rows.coefficient, limit=np.full(rows.count, MU * 0.8))
     assert certify(replace(d.program, contact=tresca), state).holds(EXACT)
+
+
+def test_all_of_the_slip_of_points_that_stick_is_a_residual():
+    """Slip at the speed of the fastest point is all of it, though nothing penetrates."""
+    program, state = SLIDING_ERRORS["slip where the law sticks"](*SLIDING)
+    assert certify(program, state).penetration == pytest.approx(1.0)

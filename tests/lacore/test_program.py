@@ -9,10 +9,16 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from lacore.program import Scales, associated_contact, dimensionless, reaction_contact
+from lacore.program import (
+    Scales,
+    associated_contact,
+    dimensionless,
+    reaction_contact,
+    require_homogeneous,
+)
 from lacore.reduction import reduced
 from tests.lacore.models import deformable_block
-from tests.lacore.random_programs import POINTS, N, frozen, random_program
+from tests.lacore.random_programs import POINTS, N, frozen, random_program, random_step
 
 EXPONENT = st.floats(-9, 9)
 
@@ -124,3 +130,18 @@ def test_stick_dissipates_nothing():
     assert program.friction_dissipation(u, bound) == pytest.approx(
         program.contact.weights[2] * slip
     )
+
+
+@pytest.mark.parametrize("hardens", [True, False])
+@pytest.mark.parametrize("closes", [True, False])
+def test_a_step_of_a_path_prescribes_how_fast_it_moves(hardens, closes):
+    """Hardening, and a distance that closes, each set a speed; bounds refuse either."""
+    step = random_step(0)
+    if not hardens:
+        step = replace(step, groups=tuple(replace(own, modulus=None) for own in step.groups))
+    if not closes:
+        step = replace(step, contact=replace(step.contact, closing=None))
+    assert step.homogeneous == (not hardens and not closes)
+    if hardens or closes:
+        with pytest.raises(la.InputError, match="at a given speed"):
+            require_homogeneous(step, "problem", "give another")

@@ -215,3 +215,42 @@ def test_a_mechanism_that_cannot_be_is_refused_where_nothing_presses(points):
     # sin(phi) of the shear rate is missing of theta, times the strength, per power.
     assert found.divergence == pytest.approx(0.5)
     assert not found.holds(1e-6)
+
+
+def test_a_large_strength_elsewhere_hides_no_violation():
+    """A tenth beyond a cohesion of 1 is a tenth, whatever the strength of the other surface."""
+    slope = np.zeros((2, 2, 1))
+    slope[:, 1, 0] = -1.0
+    own = Surfaces(slope, np.array([[1.0, 1e9], [1.0, 1e9]]), np.array([1.0, 0.0]))
+    assert own.beyond(np.array([1.1, 0.0]), np.zeros(2))[0] == pytest.approx(0.1)
+
+
+def test_strain_rates_beyond_two_edges_cost_what_their_possible_part_does():
+    """A material that no stress p_1 or p_2 can pull: each volumetric rate may not be negative.
+
+    Both are, so that both have to be moved; then 3 of shear at a strength of 1 costs 3.
+    """
+    slope = np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])
+    own = Surfaces(slope, np.ones((1, 3)), np.array([1.0, 0.0, 0.0]))
+    length, volume = np.array([3.0]), np.array([-0.2, -0.5])
+    assert own.impossible(length, volume) == pytest.approx(0.5)
+    possible = own._possible(np.array([[3.0, -0.2, -0.5]]))
+    assert possible == pytest.approx(np.array([[3.0, 0.0, 0.0]]))
+    assert own.dissipation(length, volume) == pytest.approx(3.0)
+
+
+def test_flow_that_is_not_possible_counts_where_no_stress_acts():
+    """Two cones of sand: one pressed by 1, one by nothing, which flows against its rule.
+
+    Where stress vanishes the mean over all cones stands in for it: (1 + carried)/2 here.
+    """
+    form = la.MohrCoulomb(0.0, 30).conic_form("plane_strain")
+    sand = form.surfaces_of(np.zeros(2, dtype=int))
+    rows = csr_matrix(np.array([[0.0], [0.0], [0.0], [1.0]]))  # only the second cone shears
+    group = DissipationGroup(
+        "sand", rows, 2, np.ones(2), np.zeros(2), csr_matrix((2, 1)), 0.0, surfaces=sand
+    )
+    mean = np.array([-1.0, 0.0])
+    pressed = 1.0 + group.carried(mean)[0]
+    assert group.impossible(np.ones(1)) == pytest.approx([0.0, 0.5])
+    assert group.taken(np.ones(1), mean) == pytest.approx(pressed / 2 * 0.5)

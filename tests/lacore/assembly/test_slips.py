@@ -339,3 +339,11 @@ def test_files_and_pictures_take_it(tmp_path):
     state.to_vtu(tmp_path / "block.vtu")
     assert state.dissipation["block"].max() > 0
     state.plot()
+
+
+def test_soil_that_dilates_does_not_slip_past_what_holds_it():
+    """Slip without opening costs less than any flow of soil: no bound would be left of it."""
+    clay = sheared(n=2)
+    assert la.discretise(clay).slips
+    soil = replace(clay.bodies["block"], criterion=la.MohrCoulomb(1.0, 30))
+    assert not la.discretise(replace(clay, bodies={"block": soil})).slips

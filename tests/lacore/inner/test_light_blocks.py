@@ -138,24 +138,6 @@ def test_most_assemblies_of_ten_decades_are_certified():
     assert certified >= 0.9 * have
 
 
-def test_above_the_associated_load_nothing_is_solved(monkeypatch):
-    """A loop whose residuals would let it pass is stopped by the upper bound that it has."""
-    import lacore.coupling.certified as certified
-
-    problem = stone_on_a_wall(1.0)
-    true = certified.averaged
-
-    def lifted(run, static):
-        found = true(run, static)
-        return replace(found, state=replace(found.state, load_factor=found.state.load_factor + 0.1))
-
-    monkeypatch.setattr(certified, "averaged", lifted)
-    monkeypatch.setattr(certified.Run, "proven", lambda run, iterate: iterate.kind != "associated")
-    state = la.solve(problem)
-    assert state.status is la.Status.NOT_CERTIFIED
-    assert "associated law has a mechanism at a lower load factor" in state.message
-
-
 class Blurred:
     """HiGHS, its velocities off by a millionth, whatever the units."""
 

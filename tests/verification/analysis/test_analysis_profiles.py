@@ -135,6 +135,16 @@ def test_rates_by_hand():
     assert found["correctness_rate"].tolist() == pytest.approx([2 / 4, 3 / 4, 2 / 3])
 
 
+def test_claims_without_a_reference_are_not_wrong():
+    frame = results()
+    frame["verdict"] = "no reference"
+    found = rates(frame, ["backend"])
+    assert (found["claimed"] == found["runs"]).all()
+    assert (found["unjudged"] == found["runs"]).all()
+    assert not found["wrong_claims"].any()
+    assert found["correctness_rate"].isna().all()
+
+
 def test_bad_input():
     frame = results()
     for words in ({"solved_by": "vote"}, {"unsolved": "hide"}):

@@ -67,3 +67,19 @@ def test_packages_of_a_backend_are_those_that_it_needs(name):
             assert version(package)
         except PackageNotFoundError:
             assert backend.unavailable(), package
+
+
+def test_a_run_is_of_other_code_where_its_backend_has_another_version(monkeypatch):
+    """A backend may say its version itself, whatever packages it needs."""
+
+    def codes():
+        provenance.code_version.cache_clear()
+        return {name: code_of(run) for name, run in RUNS.items()}
+
+    before = codes()
+    monkeypatch.setattr(type(load_backend("ipopt")), "version", lambda self: "changed")
+    after = codes()
+    monkeypatch.undo()
+    provenance.code_version.cache_clear()
+    assert after["clarabel"] == before["clarabel"]
+    assert after["ipopt"] != before["ipopt"]

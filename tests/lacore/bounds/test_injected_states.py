@@ -1,0 +1,126 @@
+"""States that are wrong in exactly one way prove no bound."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.bounds import lower as lower_module
+from lacore.bounds import upper as upper_module
+from lacore.bounds.stresses.attempt import Attempt
+from lacore.bounds.velocity_projection import admissible_velocity
+from lacore.certificate import certify
+from lacore.program import associated_contact
+from lacore.status import Status
+from tests.lacore.models import CRITERION
+from tests.lacore.planted import flowing, flowing_field, on_free_unknowns
+
+FLOWING = flowing()
+
+
+@pytest.mark.parametrize("depth", [1e-9, 1e-3])
+def test_a_velocity_that_penetrates_proves_no_upper_bound(monkeypatch, depth):
+    """It falls with the dead load into the floor, and its load factor is too low by as much."""
+    d, state = FLOWING
+    sunk = on_free_unknowns(d, lambda x: flowing_field(x) - np.array([[0.0], [depth]]))
+    monkeypatch.setattr(upper_module, "admissible_velocity", lambda program, velocity: sunk)
+    bound = la.upper_bound(d)
+    assert bound.status is la.Status.NOT_CERTIFIED
+    assert np.isnan(bound.load_factor)
+    monkeypatch.setattr(
+        upper_module, "admissible_velocity", lambda program, velocity: state.velocity
+    )
+    assert la.upper_bound(d).load_factor == pytest.approx(state.load_factor, rel=1e-12)
+
+
+def attempt_with(**residuals):
+    d, state = FLOWING
+    exact = certify(d.program, state, associated_contact(d.program.contact))
+    perfect = dict.fromkeys(("equilibrium", "yield_violation", "cone"), 0.0)
+    return Attempt(
+        margin=0.0,
+        inner=None,
+        state=state,
+        before=exact,
+        after=replace(exact, **(perfect | residuals)),
+        lacks=0.0,
+        projection_time=0.0,
+        exact=1e-12,
+    )
+
+
+def test_stresses_prove_a_lower_bound_where_nothing_is_violated():
+    assert attempt_with().proves
+    assert attempt_with(equilibrium=1e-13).proves  # round-off of sums
+    assert attempt_with(gap=0.5, flow=0.5, penetration=0.5).proves  # residuals of velocities
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"equilibrium": 1e-11}, {"yield_violation": 1e-15}, {"cone": 1e-15}], ids=str
+)
+@pytest.mark.parametrize("nan", [False, True])
+def test_stresses_that_violate_one_law_prove_no_lower_bound(wrong, nan):
+    assert not attempt_with(**(dict.fromkeys(wrong, np.nan) if nan else wrong)).proves
+
+
+@pytest.mark.parametrize(
+    ("found", "asked"),
+    [
+        ([1.0, 0.9], [0.0, 1.001]),
+        ([1.0, -2.0, -1.9], [0.0, 1.001, -2.002]),
+        ([1.0, 1.5, 1.4], [0.0, 1.001, 1.5015]),
+        ([-1.0, 0.5, 0.4], [0.0, -1.001, 0.5005]),
+    ],
+)
+def test_a_load_factor_is_taken_where_strengths_were_reduced_for_it(monkeypatch, found, asked):
+    """Quadratic stresses take of strengths in proportion to the load factor, of either sign.
+
+    Strengths reduced for all load factors from 0 to 1.001 say nothing of -2.
+    """
+    values, seen = iter(found), []
+
+    def scripted(model, most, *given):
+        seen.append(most)
+        return SimpleNamespace(status=Status.SOLVED, load_factor=next(values))
+
+    monkeypatch.setattr(lower_module, "_found", scripted)
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1)
+    weight = la.Linear(-1.0, (0.5, 0.0), at=(0.0, 0.0))
+    problem = la.Problem(
+        {"b": la.Body(mesh, CRITERION)},
+        [la.BodyForce("b", (0.0, weight))],
+        [la.Fix("b", "bottom")],
+    )
+    assert la.lower_bound(problem).load_factor == found[-1]
+    assert seen == pytest.approx(asked)
+
+
+@pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])
+def test_a_jump_at_a_bond_gives_half_of_its_power_to_either_side(space):
+    """Two squares of unlike strength that are bonded: shares of the gap are >= 0 and add up."""
+    bodies = {
+        name: la.Body(
+            la.meshes.rectangle((0, 1), (low, low + 1), 1, 1), la.VonMises(strength), space=space
+        )
+        for name, low, strength in (("low", 0, 1.5), ("top", 1, 1.0))
+    }
+    problem = la.Problem(
+        bodies,
+        [la.Traction("top", "left", (1, 0))],
+        [la.Fix("low", "bottom")],
+        [la.Interface(("top", "bottom"), ("low", "top"), la.BOND)],
+    )
+    identity = la.gap_identity(la.upper_bound(problem), la.lower_bound(problem))
+    gap = identity.upper - identity.lower
+    assert identity.total == pytest.approx(gap, abs=1e-9)
+    assert identity.least >= -1e-9
+
+
+@pytest.mark.parametrize("speed", [1e-5, 1e-3, 1e-1])
+def test_contact_that_opens_stays_open(speed):
+    """A velocity that is admissible already is its own projection, however slowly it opens."""
+    d, _ = FLOWING
+    lifted = on_free_unknowns(d, lambda x: flowing_field(x) + np.array([[0.0], [speed]]))
+    assert np.allclose(admissible_velocity(d.program, lifted), lifted, rtol=0, atol=1e-9)

@@ -1,0 +1,64 @@
+"""Errors that `make mutants` injects: each is one change, and fits the sources of today."""
+
+import ast
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tests.mutants.mutants import StaleError, _known, generated, known
+from tests.mutants.sites import edits
+
+ROOT = Path(__file__).parents[1]
+
+
+def changed(source):
+    return {edit.apply(source.encode()).decode() for edit in edits(source.encode())}
+
+
+@pytest.mark.parametrize(
+    ("source", "errors"),
+    [
+        ("a < b", {"a > b"}),
+        ("a is not b", {"a is b"}),
+        ("a + b", {"a - b", "a"}),
+        ("a * b", {"a / b"}),
+        ("-a", {"(a)"}),
+        ("a and b", {"a or b", "(a)", "(b)"}),
+        ("np.maximum(a, b)", {"np.minimum(a, b)"}),
+        ("np.abs(a)", {"(a)"}),
+        ("_SMALL = 1e-6", {"_SMALL = 0.001"}),
+        ("_SWEEPS = 3", {"_SWEEPS = 1"}),
+        ("def f(a):\n    if a:\n        return 1", {"def f(a):\n    if False:\n        return 1"}),
+        ("'é' if a > b else c", {"'é' if a < b else c"}),  # columns count bytes
+        ("def f(a: int | None): ...", set()),
+        ("raise InputError('a' + b)", set()),
+        ("def facts(a):\n    return a + b", set()),
+    ],
+)
+def test_each_error_is_one_change(source, errors):
+    assert changed(source) == errors
+
+
+def test_the_list_fits_the_sources():
+    mutants = known(ROOT)
+    for mutant in mutants:
+        assert ast.parse(mutant.source)
+        assert mutant.source != (ROOT / mutant.path).read_bytes()
+        assert all((ROOT / test).exists() for test in mutant.tests), mutant
+    assert len({mutant.key for mutant in mutants}) == len(mutants)
+
+
+def test_an_entry_whose_code_has_changed_is_named():
+    with pytest.raises(StaleError, match=r"file = 'surfaces\.py': 0 of \d+ files"):
+        _known(ROOT, "surfaces.py", "no such text", "", "")
+
+
+def test_a_seed_draws_the_same_errors_of_all_packages():
+    one, other = generated(ROOT, 100, 3), generated(ROOT, 100, 3)
+    assert [mutant.key for mutant in one] == [mutant.key for mutant in other]
+    assert len({mutant.key for mutant in one}) == 100
+    assert len(Counter(mutant.path.parts[:2] for mutant in one)) >= 6
+    for mutant in one:
+        assert ast.parse(mutant.source)
+        assert all((ROOT / test).exists() for test in mutant.tests), mutant
