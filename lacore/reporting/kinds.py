@@ -199,7 +199,7 @@ class Kind(Enum):
         "the load drifts by {drift:.2g} of its mean over the last {window:.4g} of the"
         " travel (tolerance {tolerance:g}), velocities differ by {change:.2g} (tolerance {flow:g})"
     )
-    STEADY = "steady from step {step} on: {loads}"
+    STEADY = "from step {step} on load and flow are stationary: {loads}"
     NOT_STEADY = "not steady: {loads}"
     FEW_STEPS = (
         "not steady: a window needs {least} steps after the first one, and the path has {steps}"

@@ -19,15 +19,14 @@ _TOUCH = 1e-6  # of the size of a body: tools that overlap less touch each other
 
 def overlapping(tool: str, other: str, depth: float, place: tuple[float, float]) -> InputError:
     """What is wrong with a tool that overlaps something by a depth [m] near a place."""
-    x, y = place
     return InputError(
         f"tools[{tool!r}]",
-        (round(x, 9), round(y, 9)),
+        None,
         text(
             "overlaps {} by {} near {} before it moves",
             other,
             Quantity(depth, "m", ".3g"),
-            Quantity((x, y), "m", ".4g"),
+            Quantity(place, "m", ".4g"),
         ),
         "move the tool away from it, so that they touch or are apart",
     )

@@ -253,7 +253,7 @@ DISC = la.shapes.disc((0.5, 1), 0.5)
 REFUSED = {
     "deep": (
         {"up": tool(la.shapes.plane((0, 0.45), (0, -1)))},
-        r"tools\['up'\] = .*overlaps body 'block' by 0.05 m near .*move the tool away",
+        r"tools\['up'\]: overlaps body 'block' by 0.05 m near .*move the tool away",
     ),
     "corner": (
         {"up": tool(la.shapes.wedge((0.3, 0.45), 5))},
@@ -261,7 +261,7 @@ REFUSED = {
     ),
     "tools": (
         {"up": tool(DISC), "two": tool(la.shapes.disc((0.6, 1.2), 0.5))},
-        r"tools\['two'\] = .*overlaps tool 'up' by 0.22",
+        r"tools\['two'\]: overlaps tool 'up' by 0.22",
     ),
     "boundary": ({"up": tool(touches=("block", "tpo"))}, "no boundary .* did you mean 'top'"),
     "body": ({"up": tool(touches=("blok", "top"))}, "no deformable body .* did you mean 'block'"),

@@ -43,7 +43,7 @@ def test_a_load_that_stays_is_steady(sliding):
     assert found.force == pytest.approx(0.15, rel=1e-6)
     assert found.drift < 1e-6
     assert found.flow < 1e-4
-    assert str(found).startswith("steady from step 2 on: the load drifts by ")
+    assert str(found).startswith("from step 2 on load and flow are stationary: the load drifts by ")
 
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0])
@@ -115,7 +115,7 @@ def test_a_path_until_it_is_steady(tmp_path):
     asked = {"travel": 0.6, "steps": STEPS, "until": la.Steady(window=0.16)}
     path = la.sequential(sled(), **asked)
     assert path.status is Ending.STEADY
-    assert path.message.startswith("steady: steady from step 2 on: the load drifts by ")
+    assert path.message.startswith("steady: from step 2 on load and flow are stationary: ")
     assert 7 <= len(path.history) < STEPS / 2
     assert path.steady(asked["until"]).reached
     with pytest.raises(Stop):

@@ -313,6 +313,8 @@ def test_the_outline_of_a_tool_is_read_from_a_drawing(punched, tmp_path):
         ('"-5 mm"], ["30 mm", "30 mm"]', '"30 mm"], ["30 mm", 0]', "17: tools.punch.points.*: not"),
         ("[path]", "[pth]", "21: pth: unknown key"),
         ('[path]\ntravel = "6 mm"\nsteps = 3\n', "", "15: tools: tools move along a path only"),
+        ('[["20 mm", "-5 mm"]', '[["18 mm", "-5 mm"]',
+         "15: tools.punch: overlaps body 'bar' by 1.71 mm near .20, 0. mm before it moves"),
         ("friction = 0.1", "friction = -1", "20: tools.punch.friction = -1"),
         ("[tools.punch]", "[tools.bar]", "15: tools.*a body has this name"),
         ("[path]",
