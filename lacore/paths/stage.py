@@ -6,7 +6,7 @@ there goes with them.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
@@ -20,8 +20,7 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.regions.following import moving_along
-from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
+from lacore.bodies.continuum.spaces import SPACES
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.loads import Load, PointForce
 from lacore.contact.interfaces import Interface
@@ -33,7 +32,7 @@ from lacore.paths.contact.folding_body import FoldingBody
 from lacore.paths.contact.pairs import Pair
 from lacore.paths.contact.poses import carried_along, placed, pose, require_single
 from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of, tool_of
-from lacore.paths.loads import check_load, of_block
+from lacore.paths.parts import check_load, curved_body, of_block
 from lacore.paths.tools.carrier import PART, MovedShape, moved_shape
 from lacore.paths.tools.contact import driving
 from lacore.paths.tools.tool import NO_TOOLS, Tooling
@@ -234,6 +233,48 @@ def staged(
             edges that do not match, contact that dilates or holds in tension, two obstacles of one
             face for one edge, bodies that begin behind an obstacle or in each other.
     """
+    _check_stated(problem, approaching)
+    rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools.blocks)
+    for name, block in rigid.items():
+        require_single(name, block)
+    bodies = {n: curved_body(n, body) for n, body in problem.bodies.items() if n not in rigid}
+    folding = {own.slave[0] for own in approaching if own.self_contact}
+    bodies |= {n: FoldingBody.of(own) for n, own in bodies.items() if n in folding}
+    names = Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
+    named = partial(_named, rigid=rigid, bodies=bodies, names=names)
+    motions = drives or {}
+    driven = driving(rigid, {n: own for n, own in motions.items() if n in tools.shapes})
+    reference = [] if driven else list(map(named, problem.reference_loads))
+    dead = list(map(named, problem.dead_loads))
+    supports = list(map(named, problem.supports))
+    facing, meeting = _contacts(problem, approaching, tools)
+    obstacles = tuple(obstacle_of(own, bodies, names, tools.shapes) for own in facing)
+    every: dict[str, PlaneBody] = {**bodies, **rigid}
+    pairs = tuple(pair_of(own, every, names, where, depth) for where, own in meeting.items())
+    bonds = [_bond(own, bodies, names) for own in problem.interfaces if _ties(own)]
+    for name, body in bodies.items():
+        every[name] = replace(body, mesh=body.mesh.with_boundaries(names.known[name]))
+    grips = _grips([*reference, *dead], bodies)
+    check_once(obstacles, bodies)
+    meets = _meets(obstacles, pairs, {name: rigid[name] for name in tools.shapes})
+    ready = ProblemOnPath(
+        MappingProxyType(every), driven or reference, supports, bonds, dead, meets, motions
+    )
+    _check_tied(ready)
+    return Stage(
+        problem=ready,
+        obstacles=obstacles,
+        pairs=pairs,
+        grips=grips,
+        interfaces=(
+            *map(_of_obstacle, obstacles, facing),
+            *(pair.interface for pair in pairs),
+        ),
+    )
+
+
+def _check_stated(problem: Problem, approaching: Sequence[Interface]) -> None:
+    """Require a list of interfaces, and loads that a path can follow."""
     if not isinstance(approaching, Sequence) or isinstance(approaching, str):
         raise InputError("approaching", approaching, "not a list", "put it in [ ]")
     for index, interface in enumerate(approaching):
@@ -243,89 +284,75 @@ def staged(
             )
     for place, load in problem.loads.items():
         check_load(load, place)
-    rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools.blocks)
-    for name, block in rigid.items():
-        require_single(name, block)
-    bodies = {n: _curved(n, body) for n, body in problem.bodies.items() if n not in rigid}
-    for own in approaching:
-        if own.self_contact and (name := own.slave[0]) in bodies:
-            bodies[name] = FoldingBody.of(bodies[name])
-    names = Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
 
-    def renamed(part: Any) -> Any:
-        if part.boundary is None:
-            return part
-        kind = type(part).__name__
-        if part.body in rigid:
-            return of_block(part, kind)
-        return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
 
-    motions = drives or {}
-    driven = driving(rigid, {n: own for n, own in motions.items() if n in tools.shapes})
-    reference = [] if driven else [renamed(load) for load in problem.reference_loads]
-    dead = [renamed(load) for load in problem.dead_loads]
-    supports = [renamed(support) for support in problem.supports]
-    bonds = [own for own in problem.interfaces if _ties(own)]
+def _named(
+    part: Any, rigid: Mapping[str, BlockAssembly], bodies: Mapping[str, Body], names: Names
+) -> Any:
+    """Return a load or support whose boundary has a name."""
+    if part.boundary is None:
+        return part
+    kind = type(part).__name__
+    if part.body in rigid:
+        return of_block(part, kind)
+    return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
+
+
+def _contacts(
+    problem: Problem, approaching: Sequence[Interface], tools: Tooling
+) -> tuple[list[Interface], dict[str, Interface]]:
+    """Return the interfaces with an obstacle or a tool, and those of two bodies by their fields."""
     fields = {
-        f"Problem.interfaces[{index}]": own
-        for index, own in enumerate(problem.interfaces)
-        if not _ties(own)
-    } | {f"approaching[{index}]": own for index, own in enumerate(approaching)}
-    fields |= {f"tools: {index}, {own.name}": own for index, own in enumerate(tools.interfaces)}
-    facing = [
-        own
-        for own in fields.values()
+        **{
+            f"Problem.interfaces[{n}]": own
+            for n, own in enumerate(problem.interfaces)
+            if not _ties(own)
+        },
+        **{f"approaching[{n}]": own for n, own in enumerate(approaching)},
+        **{f"tools: {n}, {own.name}": own for n, own in enumerate(tools.interfaces)},
+    }
+    facing = {
+        where: own
+        for where, own in fields.items()
         if own.obstacle is not None or tool_of(own, tools.shapes) is not None
-    ]
-    obstacles = tuple(obstacle_of(interface, bodies, names, tools.shapes) for interface in facing)
-    pairs = tuple(
-        pair_of(interface, {**bodies, **rigid}, names, where, depth)
-        for where, interface in fields.items()
-        if interface not in facing
-    )
-    sides = [
-        [(name, _bonded(bodies, names, name, where)) for name, where in own.sides] for own in bonds
-    ]
-    for name, body in bodies.items():
-        mesh = body.mesh.with_boundaries(names.known[name])
-        bodies[name] = replace(body, mesh=mesh)
-    grips = [
-        -1 if load.body in rigid else vertex_at(bodies[load.body], load.point, "PointForce.at")
-        for load in (*reference, *dead)
+    }
+    meeting = {where: own for where, own in fields.items() if where not in facing}
+    return list(facing.values()), meeting
+
+
+def _grips(loads: Sequence[Load], bodies: Mapping[str, Body]) -> tuple[int, ...]:
+    """Return the node of each point force, -1 for those on rigid blocks."""
+    return tuple(
+        vertex_at(bodies[load.body], load.point, "PointForce.at") if load.body in bodies else -1
+        for load in loads
         if load.point is not None
-    ]
-    check_once(obstacles, bodies)
-    bonded = [
-        Interface(one, other, own.law) for own, (one, other) in zip(bonds, sides, strict=True)
-    ]
+    )
+
+
+def _meets(
+    obstacles: Sequence[Obstacle], pairs: Sequence[Pair], tools: Mapping[str, BlockAssembly]
+) -> dict[str, Ints]:
+    """Return the edges of each body that may touch others."""
     parts = [(side.body, side.edges) for pair in pairs for side in pair.sides]
     parts += [(own.body, own.facets) for own in obstacles]
-    parts += [(name, np.arange(rigid[name].edges.block.size)) for name in tools.shapes]
+    parts += [(name, np.arange(block.edges.block.size)) for name, block in tools.items()]
     meets: dict[str, Ints] = {}
     for name, edges in parts:
         meets[name] = np.union1d(meets.get(name, edges), edges)
-    every: dict[str, PlaneBody] = {**bodies, **rigid}
-    ready = ProblemOnPath(
-        MappingProxyType(every), driven or reference, supports, bonded, dead, meets, motions
-    )
-    _check_tied(ready)
-    return Stage(
-        problem=ready,
-        obstacles=obstacles,
-        pairs=pairs,
-        grips=tuple(grips),
-        interfaces=(
-            *(
-                Interface(
-                    (own.body, own.where),
-                    (own.carrier, PART) if own.carrier else RigidObstacle(shape=own.shape),
-                    one.friction,
-                )
-                for own, one in zip(obstacles, facing, strict=True)
-            ),
-            *(pair.interface for pair in pairs),
-        ),
-    )
+    return meets
+
+
+def _of_obstacle(obstacle: Obstacle, interface: Interface) -> Interface:
+    """Return an interface with an obstacle or a tool whose side is a name."""
+    carrier, slave = obstacle.carrier, (obstacle.body, obstacle.where)
+    master = (carrier, PART) if carrier else RigidObstacle(shape=obstacle.shape)
+    return Interface(slave, master, interface.friction)
+
+
+def _bond(interface: Interface, bodies: Mapping[str, Body], names: Names) -> Interface:
+    """Return a bond whose two sides are names."""
+    one, other = (_bonded(bodies, names, name, where) for name, where in interface.sides)
+    return Interface((interface.sides[0][0], one), (interface.sides[1][0], other), interface.law)
 
 
 def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> str:
@@ -355,42 +382,3 @@ def _check_tied(problem: Problem) -> None:
                 "edges of its two sides do not match, and along a path what is bonded moves as one",
                 text("give both sides the same vertices{}", Term(": lacore.matching(problem)", "")),
             )
-
-
-def _curved(name: str, body: object) -> Body:
-    if not isinstance(body, Body):
-        raise InputError(
-            f"Problem.bodies[{name!r}]",
-            type(body).__name__,
-            "a path follows deformable bodies and single rigid blocks in the plane",
-            text("give a {} or a {}", terms.CONTINUUM, terms.RIGID_BLOCK),
-        )
-    if body.kinematics not in ("plane_strain", "axisymmetric"):
-        raise InputError(
-            f"Problem.bodies[{name!r}].kinematics",
-            body.kinematics,
-            "no path follows tetrahedra, or a thickness that changes from point to point",
-            "take 'plane_strain' or 'axisymmetric'",
-        )
-    for region in body.regions:
-        if region.criterion.law is not None and region.form.surfaces:
-            part = f"[{region.name!r}]" if region.name else ""
-            raise InputError(
-                f"Problem.bodies[{name!r}].criterion{part}.law",
-                region.criterion.law,
-                "strength that depends on pressure does not harden along a path",
-                "let it be None",
-            )
-    space = isoparametric(body.mesh, body.space)
-    return moving_along(replace(body, mesh=_quadratic(body.mesh, space), space=space.name))
-
-
-def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
-    assert space.curved is not None  # it is isoparametric
-    if isinstance(mesh, space.curved):
-        return mesh
-    curved = space.curved.from_mesh(mesh)
-    assert np.array_equal(curved.facets, mesh.facets)
-    curved = curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
-    regions = {n: np.asarray(own) for n, own in (mesh.subdomains or {}).items()}
-    return curved.with_subdomains(regions) if regions else curved
