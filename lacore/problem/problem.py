@@ -122,32 +122,27 @@ class Problem(Shown):
         return Picture(self.plot())
 
     def __post_init__(self) -> None:
-        if not isinstance(self.bodies, Mapping) or not self.bodies:
-            raise InputError(
-                "Problem.bodies",
-                None,
-                "there is none with a name",
-                text(
-                    "give {}",
-                    Term("bodies={'name': Body(...)}", "one as a table, such as [bodies.NAME]"),
-                ),
-            )
-        for name, body in self.bodies.items():
-            if not isinstance(name, str):
-                raise InputError("Problem.bodies", name, "not a name", "give a text, 'soil'")
-            if not isinstance(body, KINDS):
-                raise InputError(
-                    f"Problem.bodies[{name!r}]",
-                    body,
-                    "not a Body",
-                    "give a lacore.Body, BlockAssembly, Frame or BlockAssembly3D",
-                )
+        _check_bodies(self.bodies)
         object.__setattr__(self, "bodies", MappingProxyType(dict(self.bodies)))
         for attribute in ("reference_loads", "supports", "interfaces", "dead_loads"):
             given = getattr(self, attribute)
             if not isinstance(given, Sequence):
                 raise InputError(f"Problem.{attribute}", given, "not a list", "put it in [ ]")
             object.__setattr__(self, attribute, tuple(given))
+        dimension = self._checked_loads()
+        self._check_supports(dimension)
+        self._check_interfaces(dimension)
+        check_contacts(self)
+        check_wet(self.loads, self.interfaces)
+        check_axisymmetry(
+            {name: body for name, body in self.bodies.items() if name not in self.driven},
+            {where: load for where, load in self.loads.items() if load.body not in self.driven},
+            self.supports,
+            self.interfaces,
+        )
+
+    def _checked_loads(self) -> int:
+        """Check the loads, split the frames where they act, and return the dimension."""
         for where, load in self.loads.items():
             if not isinstance(load, Load):
                 raise InputError(where, load, "not a load", "give lacore.Traction, Pressure, ...")
@@ -164,9 +159,12 @@ class Problem(Shown):
             check_load_dimension(load, where, dimension)
         self._split_frames()
         for where, load in self.loads.items():
-            body = self._body(load.body, where)
             with _located(where):
-                body.check_load(load, where)
+                self.bodies[load.body].check_load(load, where)
+        return dimension
+
+    def _check_supports(self, dimension: int) -> None:
+        """Check the supports, in the components that the dimension has."""
         for index, support in enumerate(self.supports):
             if not isinstance(support, Fix):
                 where = f"Problem.supports[{index}]"
@@ -179,6 +177,9 @@ class Problem(Shown):
             check_support_dimension(support, where, dimension)
             with _located(where):
                 body.check_support(support, where)
+
+    def _check_interfaces(self, dimension: int) -> None:
+        """Check the kinds, bodies and obstacles of the interfaces, each by itself."""
         for index, interface in enumerate(self.interfaces):
             where = f"Problem.interfaces[{index}]"
             if not isinstance(interface, Interface):
@@ -197,14 +198,6 @@ class Problem(Shown):
                     ),
                 )
             check_interface_dimension(interface, where, dimension)
-        check_contacts(self)
-        check_wet(self.loads, self.interfaces)
-        check_axisymmetry(
-            {name: body for name, body in self.bodies.items() if name not in self.driven},
-            {where: load for where, load in self.loads.items() if load.body not in self.driven},
-            self.supports,
-            self.interfaces,
-        )
 
     @property
     def dimension(self) -> int:
@@ -264,6 +257,30 @@ class Problem(Shown):
         if not isinstance(name, str) or name not in self.bodies:
             raise InputError(f"{where}.body", name, "no such body", suggest(str(name), self.bodies))
         return self.bodies[name]
+
+
+def _check_bodies(bodies: Any) -> None:
+    """Require bodies with names."""
+    if not isinstance(bodies, Mapping) or not bodies:
+        raise InputError(
+            "Problem.bodies",
+            None,
+            "there is none with a name",
+            text(
+                "give {}",
+                Term("bodies={'name': Body(...)}", "one as a table, such as [bodies.NAME]"),
+            ),
+        )
+    for name, body in bodies.items():
+        if not isinstance(name, str):
+            raise InputError("Problem.bodies", name, "not a name", "give a text, 'soil'")
+        if not isinstance(body, KINDS):
+            raise InputError(
+                f"Problem.bodies[{name!r}]",
+                body,
+                "not a Body",
+                "give a lacore.Body, BlockAssembly, Frame or BlockAssembly3D",
+            )
 
 
 @contextmanager

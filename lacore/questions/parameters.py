@@ -115,21 +115,16 @@ def _members(body: Frame) -> Iterator[tuple[str, Any, str]]:
     yield "sections", body.sections, "N"
 
 
-def _numbers(
-    thing: Any, unit: str = ""
-) -> Iterator[tuple[str, float, str, Callable[[float], Any]]]:
-    """Positive numbers in a thing: where, values, units, and the thing with another one there."""
+_Number = tuple[str, float, str, Callable[[float], Any]]
+"""A number: where it is, value, unit, and the thing with another value there."""
+
+
+def _numbers(thing: Any, unit: str = "") -> Iterator[_Number]:
+    """Yield the positive numbers in a thing."""
     if is_number(thing) and thing > 0:
         yield "", float(thing), unit, lambda value: value
     elif isinstance(thing, Section):
-        size = thing.plastic_moment or thing.squash_load
-        if isfinite(size) and size > 0:
-            yield (
-                " (strength)",
-                size,
-                "N" if thing.plastic_moment else "N/m",
-                _stronger(thing, size),
-            )
+        yield from _in_section(thing)
     elif isinstance(thing, Field):  # not how steep it is at most, which is no strength
         yield " (factor)", float(thing.factor), "", lambda value: thing * (value / thing.factor)
     elif isinstance(thing, Mapping):
@@ -137,15 +132,26 @@ def _numbers(
             for path, value, own_unit, changed in _numbers(own, unit):
                 yield f"[{key!r}]{path}", value, own_unit, _in_mapping(thing, key, changed)
     elif is_dataclass(thing) and not isinstance(thing, type):
-        for entry in fields(thing):
-            own = getattr(thing, entry.name)
-            if not entry.init or isinstance(own, bool) or own is None:
-                continue
-            if is_number(own) or is_dataclass(own) or isinstance(own, Mapping):
-                plain = _UNITS.get(entry.name, "Pa")
-                for path, value, own_unit, changed in _numbers(own, plain):
-                    remade = _in_field(thing, entry.name, changed)
-                    yield f".{entry.name}{path}", value, own_unit, remade
+        yield from _in_fields(thing)
+
+
+def _in_section(section: Section) -> Iterator[_Number]:
+    """Yield the strength of a section, its plastic moment or its squash load."""
+    size = section.plastic_moment or section.squash_load
+    if isfinite(size) and size > 0:
+        unit = "N" if section.plastic_moment else "N/m"
+        yield " (strength)", size, unit, _stronger(section, size)
+
+
+def _in_fields(thing: Any) -> Iterator[_Number]:
+    """Yield the numbers in the fields of a dataclass that its constructor takes."""
+    for entry in fields(thing):
+        own = getattr(thing, entry.name)
+        if not entry.init or isinstance(own, bool):
+            continue
+        if is_number(own) or is_dataclass(own) or isinstance(own, Mapping):
+            for path, value, unit, changed in _numbers(own, _UNITS.get(entry.name, "Pa")):
+                yield f".{entry.name}{path}", value, unit, _in_field(thing, entry.name, changed)
 
 
 def _stronger(section: Section, size: float) -> Callable[[float], Section]:

@@ -14,7 +14,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path as File
 from types import TracebackType
 from typing import Any, Self
@@ -203,43 +203,20 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
     """Text and arrays; bodies by their number."""
     here = progress.here
     names = list(here.configuration.nodes)
+    packing = _Packing(names)
     arrays: dict[str, Any] = {
         f"row/{entry.name}": np.array([getattr(row, entry.name) for row in progress.rows])
         for entry in fields(PathStep)
     }
-
-    def pack(key: str, by_body: Mapping[str, Floats] | None) -> None:
-        for number, name in enumerate(names if by_body is not None else ()):
-            assert by_body is not None
-            arrays[f"{key}/{number}"] = by_body[name]
-
-    def pack_configuration(key: str, configuration: Configuration) -> None:
-        pack(f"{key}/nodes", configuration.nodes)
-        pack(f"{key}/strain", configuration.strain)
-
-    pack_configuration("here", here.configuration)
-    pack("here/velocity", here.velocity)
-    pack("here/strain_rate", here.strain_rate)
+    arrays |= packing.configuration("here", here.configuration)
+    arrays |= packing.fields("here/velocity", here.velocity)
+    arrays |= packing.fields("here/strain_rate", here.strain_rate)
     for place, snapshot in enumerate(progress.snapshots):
-        pack_configuration(f"snapshot/{place}", snapshot.configuration)
-        pack(f"snapshot/{place}/velocity", snapshot.velocity)
-        pack(f"snapshot/{place}/strain_rate", snapshot.strain_rate)
-        if snapshot.moment is not None:
-            pack_configuration(f"snapshot/{place}/begin", snapshot.moment.begin)
-            pack_configuration(f"snapshot/{place}/at", snapshot.moment.at)
-            friction = {"pressed": snapshot.moment.pressed, "slip": snapshot.moment.slip}
-            for name, values in friction.items():
-                if values is not None:
-                    arrays[f"snapshot/{place}/{name}"] = values
+        arrays |= packing.snapshot(f"snapshot/{place}", snapshot)
     for place, own in enumerate(progress.made):
-        pack(f"made/{place}/nodes", own.nodes)
+        arrays |= packing.fields(f"made/{place}/nodes", own.nodes)
         for number, mesh in enumerate(own.meshes.values()):
-            key = f"made/{place}/mesh/{number}"
-            arrays[f"{key}/p"], arrays[f"{key}/t"] = mesh.doflocs, mesh.t
-            for part, facets in enumerate((mesh.boundaries or {}).values()):
-                arrays[f"{key}/boundary/{part}"] = np.asarray(facets, dtype=np.int64)
-            for part, elements in enumerate((mesh.subdomains or {}).values()):
-                arrays[f"{key}/region/{part}"] = np.asarray(elements, dtype=np.int64)
+            arrays |= _mesh_arrays(f"made/{place}/mesh/{number}", mesh)
     head = {
         "bodies": names,
         "here": {
@@ -276,6 +253,41 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         ],
     }
     return head, arrays
+
+
+@dataclass(frozen=True)
+class _Packing:
+    """Arrays by body as arrays by the number of the body."""
+
+    names: Sequence[str]
+
+    def fields(self, key: str, by_body: Mapping[str, Floats] | None) -> dict[str, Floats]:
+        if by_body is None:
+            return {}
+        return {f"{key}/{number}": by_body[name] for number, name in enumerate(self.names)}
+
+    def configuration(self, key: str, own: Configuration) -> dict[str, Floats]:
+        return self.fields(f"{key}/nodes", own.nodes) | self.fields(f"{key}/strain", own.strain)
+
+    def snapshot(self, key: str, snapshot: Snapshot) -> dict[str, Floats]:
+        arrays = self.configuration(key, snapshot.configuration)
+        arrays |= self.fields(f"{key}/velocity", snapshot.velocity)
+        arrays |= self.fields(f"{key}/strain_rate", snapshot.strain_rate)
+        if (moment := snapshot.moment) is not None:
+            arrays |= self.configuration(f"{key}/begin", moment.begin)
+            arrays |= self.configuration(f"{key}/at", moment.at)
+            friction = {f"{key}/pressed": moment.pressed, f"{key}/slip": moment.slip}
+            arrays |= {name: values for name, values in friction.items() if values is not None}
+        return arrays
+
+
+def _mesh_arrays(key: str, mesh: Mesh) -> dict[str, Any]:
+    arrays = {f"{key}/p": mesh.doflocs, f"{key}/t": mesh.t}
+    for part, facets in enumerate((mesh.boundaries or {}).values()):
+        arrays[f"{key}/boundary/{part}"] = np.asarray(facets, dtype=np.int64)
+    for part, elements in enumerate((mesh.subdomains or {}).values()):
+        arrays[f"{key}/region/{part}"] = np.asarray(elements, dtype=np.int64)
+    return arrays
 
 
 def _seal(text: bytes) -> np.ndarray:

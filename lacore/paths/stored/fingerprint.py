@@ -38,10 +38,7 @@ def _described(field: str, value: Any) -> Any:
         return [str(data.dtype), data.shape, hashlib.sha256(data.tobytes()).hexdigest()]
     kind = type(value).__qualname__
     if isinstance(value, Mesh):
-        named = {name: np.asarray(facets) for name, facets in (value.boundaries or {}).items()}
-        parts = [_described(field, part) for part in (value.doflocs, value.t, named)]
-        regions = {name: np.asarray(part) for name, part in (value.subdomains or {}).items()}
-        return [kind, *parts, *([_described(field, regions)] if regions else [])]
+        return [kind, *_mesh(field, value)]
     if is_dataclass(value) and not isinstance(value, type):
         own = {entry.name: getattr(value, entry.name) for entry in fields(value)}
         return [kind, _described(field, own)]
@@ -58,3 +55,11 @@ def _described(field: str, value: Any) -> Any:
         "has nothing to be known by again, as a checkpoint needs",
         "make its class a frozen dataclass, or leave out the checkpoint",
     )
+
+
+def _mesh(field: str, mesh: Mesh) -> list[Any]:
+    """Return places, elements and boundaries of a mesh, and regions where it has some."""
+    named = {name: np.asarray(facets) for name, facets in (mesh.boundaries or {}).items()}
+    regions = {name: np.asarray(part) for name, part in (mesh.subdomains or {}).items()}
+    parts = [mesh.doflocs, mesh.t, named, *([regions] if regions else [])]
+    return [_described(field, part) for part in parts]

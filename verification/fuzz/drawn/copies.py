@@ -4,6 +4,7 @@ Each function returns a recipe of its own.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,74 +18,98 @@ _AXES = ("x", "y")
 _ROUGHER = 3.0  # times a coefficient of friction
 
 
-def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> Recipe:
-    """Every point at ``length (turn x + shift)``, every vector turned.
+@dataclass(frozen=True)
+class Motion:
+    """A similarity: points go to ``length (turn x + shift)``, vectors are turned."""
 
-    Stresses stay: forces per volume are divided by `length`, forces multiplied with it.
+    turn: Floats
+    shift: Floats
+    length: float = 1.0
+
+    def point(self, place: Any) -> list[float]:
+        """Return where a point goes."""
+        return [float(c) for c in self.length * (self.turn @ np.array(place) + self.shift)]
+
+    def vector(self, given: Any) -> list[float]:
+        """Return a vector that is turned."""
+        return [float(c) for c in self.turn @ np.array(given)]
+
+    def boundary(self, where: Any) -> Any:
+        """Return a line between two points that moves, or a name that stays."""
+        points = isinstance(where, list) and isinstance(where[0], list)
+        return [self.point(end) for end in where] if points else where
+
+    @property
+    def swaps_axes(self) -> bool:
+        """Whether x becomes y, of turns by quarters."""
+        return bool(abs(self.turn[0, 1]) > 0.5)
+
+
+def moved(recipe: Recipe, motion: Motion) -> Recipe:
+    """Return a recipe whose points and vectors have moved.
+
+    Stresses stay: forces per volume are divided by the length, forces multiplied with it.
     """
     made = copied(recipe)
-
-    def point(place: Any) -> list[float]:
-        return [float(c) for c in length * (turn @ np.array(place) + shift)]
-
-    def vector(given: Any) -> list[float]:
-        return [float(c) for c in turn @ np.array(given)]
-
-    def line(where: Any) -> Any:
-        points = isinstance(where, list) and isinstance(where[0], list)
-        return [point(end) for end in where] if points else where
-
     for body in made["bodies"].values():
-        _move_body(body, turn, point, length)
+        _move_body(body, motion)
     for load in (*made["reference"], *made["dead"]):
-        for name in ("vector", "direction"):
-            if name in load:
-                load[name] = vector(load[name])
-        if isinstance(load.get("at"), list):
-            load["at"] = point(load["at"])
-        if "where" in load:
-            load["where"] = line(load["where"])
-        factor = {"BodyForce": 1 / length, "PointForce": length}.get(load["load"], 1.0)
-        if factor != 1.0:
-            load["vector"] = [factor * part for part in load["vector"]]
-    quarter = abs(turn[0, 1]) > 0.5
+        _move_load(load, motion)
     for support in made["supports"]:
-        support["where"] = line(support["where"])
-        if quarter and support.get("components") in _AXES:
+        support["where"] = motion.boundary(support["where"])
+        if motion.swaps_axes and support.get("components") in _AXES:
             support["components"] = _SWAPPED[support["components"]]
     for pair in made["interfaces"]:
-        foot = made["bodies"][pair["slave"][0]]["kind"] == "frame"
-        if foot and isinstance(pair["friction"], Mapping) and "tresca" in pair["friction"]:
-            pair["friction"] = {"tresca": length * pair["friction"]["tresca"]}  # on 1 m, a force
-        pair["slave"] = [pair["slave"][0], line(pair["slave"][1])]
-        if isinstance(pair["master"], list):
-            pair["master"] = [pair["master"][0], line(pair["master"][1])]
-        elif pair["master"]:
-            pair["master"] = {
-                "point": point(pair["master"]["point"]),
-                "normal": vector(pair["master"]["normal"]),
-            }
+        _move_interface(pair, motion, made["bodies"][pair["slave"][0]]["kind"] == "frame")
     if "path" in made:
-        made["path"]["travel"] *= length
+        made["path"]["travel"] *= motion.length
         tools = made["path"].get("tools", {})
-        made["path"]["tools"] = {name: vector(speed) for name, speed in tools.items()}
+        made["path"]["tools"] = {name: motion.vector(speed) for name, speed in tools.items()}
     return made
 
 
-def _move_body(
-    body: dict[str, Any], turn: Floats, point: Callable[[Any], list[float]], length: float
-) -> None:
+def _move_load(load: dict[str, Any], motion: Motion) -> None:
+    """Move a load of a copied recipe."""
+    for name in ("vector", "direction"):
+        if name in load:
+            load[name] = motion.vector(load[name])
+    if isinstance(load.get("at"), list):
+        load["at"] = motion.point(load["at"])
+    if "where" in load:
+        load["where"] = motion.boundary(load["where"])
+    length = motion.length
+    factor = {"BodyForce": 1 / length, "PointForce": length}.get(load["load"], 1.0)
+    if factor != 1.0:
+        load["vector"] = [factor * part for part in load["vector"]]
+
+
+def _move_interface(pair: dict[str, Any], motion: Motion, of_frame: bool) -> None:
+    """Move an interface of a copied recipe; that of a frame is a node of 1 m."""
+    law, master = pair["friction"], pair["master"]
+    if of_frame and isinstance(law, Mapping) and "tresca" in law:
+        pair["friction"] = {"tresca": motion.length * law["tresca"]}  # a force
+    pair["slave"] = [pair["slave"][0], motion.boundary(pair["slave"][1])]
+    if isinstance(master, list):
+        pair["master"] = [master[0], motion.boundary(master[1])]
+    elif master:
+        pair["master"] = {
+            "point": motion.point(master["point"]),
+            "normal": motion.vector(master["normal"]),
+        }
+
+
+def _move_body(body: dict[str, Any], motion: Motion) -> None:
     """Move the points of a body of a copied recipe."""
     if body["kind"] == "continuum":
         mesh = body["mesh"]
-        mesh["shift"] = point(mesh["shift"])
-        mesh["map"] = (length * turn @ np.array(mesh["map"])).tolist()
+        mesh["shift"] = motion.point(mesh["shift"])
+        mesh["map"] = (motion.length * motion.turn @ np.array(mesh["map"])).tolist()
     elif body["kind"] == "blocks":
-        body["polygons"] = {n: [point(p) for p in ps] for n, ps in body["polygons"].items()}
+        body["polygons"] = {n: [motion.point(p) for p in ps] for n, ps in body["polygons"].items()}
     else:
-        body["nodes"] = {name: point(place) for name, place in body["nodes"].items()}
+        body["nodes"] = {name: motion.point(place) for name, place in body["nodes"].items()}
         body["plastic_moment"] = {
-            name: length**2 * moment for name, moment in body["plastic_moment"].items()
+            name: motion.length**2 * moment for name, moment in body["plastic_moment"].items()
         }
 
 
@@ -96,57 +121,79 @@ def round_one(recipe: Recipe) -> bool:
 def turned(recipe: Recipe, rng: Rng) -> Recipe:
     """By some angle about some point; by quarters where supports name axes."""
     if round_one(recipe):
-        return moved(recipe, np.eye(2), np.array([0.0, rng.uniform(-10, 10)]))
+        return moved(recipe, Motion(np.eye(2), np.array([0.0, rng.uniform(-10, 10)])))
     named = any(support.get("components") in _AXES for support in recipe["supports"])
     quarters = [(0, 1), (-1, 0), (0, -1)]
     angle = rng.uniform(0, 2 * np.pi)
     c, s = quarters[rng.integers(3)] if named else (np.cos(angle), np.sin(angle))
-    return moved(recipe, np.array([[c, -s], [s, c]], dtype=float), rng.uniform(-10, 10, 2))
+    turn = np.array([[c, -s], [s, c]], dtype=float)
+    return moved(recipe, Motion(turn, rng.uniform(-10, 10, 2)))
 
 
 def mirrored(recipe: Recipe, rng: Rng) -> Recipe:
     """Left and right exchanged; of bodies of revolution top and bottom."""
     signs = np.diag([1.0, -1.0] if round_one(recipe) else [-1.0, 1.0])
-    return moved(recipe, signs, np.zeros(2))
+    return moved(recipe, Motion(signs, np.zeros(2)))
 
 
 def resized(recipe: Recipe, rng: Rng) -> Recipe:
     """Of another length, at the same stresses."""
-    return moved(recipe, np.eye(2), np.zeros(2), float(10.0 ** rng.uniform(-3, 3)))
+    return moved(recipe, Motion(np.eye(2), np.zeros(2), float(10.0 ** rng.uniform(-3, 3))))
+
+
+@dataclass(frozen=True)
+class _NewNames:
+    """New names of bodies, and of blocks by body and name."""
+
+    bodies: Mapping[str, str]
+    blocks: Mapping[tuple[str, str], str]
+
+    def block(self, body: str, name: Any) -> Any:
+        """Return the new name of a block; all else that stands for a boundary stays."""
+        return self.blocks.get((body, name), name) if isinstance(name, str) else name
+
+    def inside(self, name: str, body: dict[str, Any]) -> dict[str, Any]:
+        """Return a body whose blocks have their new names."""
+        if body["kind"] != "blocks":
+            return body
+        return body | {
+            "polygons": {self.block(name, b): p for b, p in body["polygons"].items()},
+            "joints": [
+                [self.block(name, a), self.block(name, b), law] for a, b, law in body["joints"]
+            ],
+        }
+
+    @classmethod
+    def of(cls, recipe: Recipe) -> "_NewNames":
+        """Return names that sort the other way round."""
+        names = list(recipe["bodies"])
+        blocks = {
+            (name, block): f"b{len(body['polygons']) - n}"
+            for name, body in recipe["bodies"].items()
+            if body["kind"] == "blocks"
+            for n, block in enumerate(body["polygons"])
+        }
+        return cls({name: f"z{len(names) - n}" for n, name in enumerate(names)}, blocks)
 
 
 def renamed(recipe: Recipe, rng: Rng) -> Recipe:
     """Bodies and blocks under other names, which sort the other way round."""
-    names = list(recipe["bodies"])
-    new = {name: f"z{len(names) - n}" for n, name in enumerate(names)}
-    blocks = {
-        (name, block): f"b{len(body['polygons']) - n}"
-        for name, body in recipe["bodies"].items()
-        if body["kind"] == "blocks"
-        for n, block in enumerate(body["polygons"])
+    new, made = _NewNames.of(recipe), copied(recipe)
+    made["bodies"] = {
+        new.bodies[name]: new.inside(name, body) for name, body in made["bodies"].items()
     }
-    made = copied(recipe)
-
-    def block(body: str, name: Any) -> Any:
-        return blocks.get((body, name), name) if isinstance(name, str) else name
-
-    for name, body in made["bodies"].items():
-        if body["kind"] == "blocks":
-            body["polygons"] = {block(name, b): p for b, p in body["polygons"].items()}
-            body["joints"] = [[block(name, a), block(name, b), law] for a, b, law in body["joints"]]
-    made["bodies"] = {new[name]: body for name, body in made["bodies"].items()}
     if "path" in made:
         tools = made["path"].get("tools", {})
-        made["path"]["tools"] = {new[name]: speed for name, speed in tools.items()}
+        made["path"]["tools"] = {new.bodies[name]: speed for name, speed in tools.items()}
     for part in (*made["reference"], *made["dead"], *made["supports"]):
         for key in ("where", "at"):
             if key in part:
-                part[key] = block(part["body"], part[key])
-        part["body"] = new[part["body"]]
+                part[key] = new.block(part["body"], part[key])
+        part["body"] = new.bodies[part["body"]]
     for pair in made["interfaces"]:
         for side in ("slave", "master"):
             if isinstance(pair[side], list):
-                pair[side] = [new[pair[side][0]], block(*pair[side])]
+                pair[side] = [new.bodies[pair[side][0]], new.block(*pair[side])]
     return made
 
 
