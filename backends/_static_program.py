@@ -91,23 +91,8 @@ class StaticProgram:
         self._program = program
         points, dim = program.contact, program.contact.tangent_dim
         self._dilatant = dilatancy > 0
-        turning, d = np.repeat(self._dilatant, dim), dilatancy[self._dilatant]
-        weights = np.repeat(points.weights, dim)
-        loads = [csr_matrix(-f[:, None]) for f in (program.reference_load, program.dead_load)]
-        forces, damped = loads, [np.zeros(2)]
-        for group in program.groups:
-            unit = group.bound if group.surfaces is None else np.ones(group.weights.size)
-            size = np.repeat(group.weights * unit, group.dim)
-            volumes = group.volume_weights
-            forces += [_forces(group.rows, size), _forces(group.volumetric, volumes)]
-            damped += [np.zeros(size.size), volumes]
-        slip = _forces(points.tangential, -weights)
-        forces += [_forces(points.normal, -points.weights), slip, slip[:, turning]]
-        damped += [np.zeros(points.count), weights, weights[turning]]
-        # What surfaces leave of their strength is an unknown, on which no force acts.
-        pressed = [group.surfaces for group in program.groups if group.surfaces is not None]
-        forces += [csr_matrix((program.n, own.strength.size)) for own in pressed]
-        damped += [np.zeros(own.strength.size) for own in pressed]
+        d = dilatancy[self._dilatant]
+        forces, damped = self._unknowns()
         ends = np.cumsum([0, *(block.shape[1] for block in forces)])
         parts = [np.arange(a, b) for a, b in pairwise(ends)]
         contacts = 2 + 2 * len(program.groups)
@@ -134,17 +119,43 @@ class StaticProgram:
         ]
         self._strengths = np.concatenate([np.zeros(0), *(s.strength.ravel() for s, _ in own)])
         self._linear = csr_matrix(vstack(linear, format="csr"))
-        self._balls = [
-            _Cones(_square(group.dim), columns, group.dim, np.ones(group.weights.size))
-            for group, columns in zip(program.groups, self._stresses, strict=True)
-            if group.dim > 1 and group.surfaces is None
-        ]
+        self._balls = self._strengths_of_groups()
         self._discs, self._fans = [], self._planes()
         if dim > 1:
             both = np.column_stack([lifted, self._dilated.reshape(-1, dim)])
             self._discs = [_Cones(_square(dim), self._friction, dim, np.ones(points.count))]
             self._fans += [_Cones(_fan(1 + dim), both.ravel(), 1 + dim, d)]
         self._problem, self._derivatives = self._functions()
+
+    def _unknowns(self) -> tuple[list[Sparse], list[Floats]]:
+        """Return nodal forces and damping of the unknowns of each kind, in their order."""
+        program, points = self._program, self._program.contact
+        turning = np.repeat(self._dilatant, points.tangent_dim)
+        weights = np.repeat(points.weights, points.tangent_dim)
+        loads = [csr_matrix(-f[:, None]) for f in (program.reference_load, program.dead_load)]
+        forces, damped = loads, [np.zeros(2)]
+        for group in program.groups:
+            unit = group.bound if group.surfaces is None else np.ones(group.weights.size)
+            size = np.repeat(group.weights * unit, group.dim)
+            volumes = group.volume_weights
+            forces += [_forces(group.rows, size), _forces(group.volumetric, volumes)]
+            damped += [np.zeros(size.size), volumes]
+        slip = _forces(points.tangential, -weights)
+        forces += [_forces(points.normal, -points.weights), slip, slip[:, turning]]
+        damped += [np.zeros(points.count), weights, weights[turning]]
+        # What surfaces leave of their strength is an unknown, on which no force acts.
+        pressed = [group.surfaces for group in program.groups if group.surfaces is not None]
+        forces += [csr_matrix((program.n, own.strength.size)) for own in pressed]
+        damped += [np.zeros(own.strength.size) for own in pressed]
+        return forces, damped
+
+    def _strengths_of_groups(self) -> list[_Cones]:
+        """Return ``||s|| <= 1`` of stresses over their bound, of groups without surfaces."""
+        return [
+            _Cones(_square(group.dim), columns, group.dim, np.ones(group.weights.size))
+            for group, columns in zip(self._program.groups, self._stresses, strict=True)
+            if group.dim > 1 and group.surfaces is None
+        ]
 
     def _planes(self) -> list[_Cones]:
         """``||s||`` below what each surface leaves of its strength."""

@@ -130,16 +130,20 @@ class Translation:
         costly = [*self._strained(), self._rubbing()]
         free = [self._lifting(), self._leading(), *map(self._pressing, pointed, self._apexes)]
         equal = self._equal(plain)
-        # What there is none of costs as many calls as what there is much of.
         every = [one.rows for one in costly] + [kind.rows for kind in free]
         self._empty = [rows.count == 0 for rows in every]
         self._shapes = [(rows.dim, 0) for rows in every]
         self._count = len(costly)
-        self.conic = Conic(
+        self.conic = self._filled(costly, free, equal)
+
+    def _filled(self, costly: Sequence[Costly], free: Sequence[Free], equal: Sparse) -> Conic:
+        """Return the program without empty kinds: each costs as many calls as a full one."""
+        program = self._program
+        return Conic(
             tuple(one for one in costly if one.rows.count),
             tuple(kind for kind in free if kind.rows.count),
             tuple(self._planes),
-            Rows.of(equal, 1, np.ones(equal.shape[0]), loops),
+            Rows.of(equal, 1, np.ones(equal.shape[0]), self._loops),
             program.reference_load,
             sum((-one.cost for one in self._apexes), program.dead_load.copy()),
             float(np.abs(program.dead_load).sum()),

@@ -5,7 +5,7 @@ Such a seam shears, and of soils opens, at the cost of a layer of the weaker sid
 control values of the jump on each segment: so that bounds stay strict.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,34 +80,18 @@ def _seam(
     dofs: Mapping[str, Dofs],
     n: int,
 ) -> dict[str, Jumps]:
-    names = [name for name, _ in interface.sides]
-    meeting = list(zip(names, segments.edges, strict=True))
-    sides = [(dofs[name], dofs[name].parts(edges)) for name, edges in meeting]
-    stands = controls(segments, sides)
-    values = jump_rows(stands, sides, n)
-    order = _ORDER if len(stands) > 2 else (0, 1)
-    count, copies = segments.slave.size, len(stands)
-    along = np.argsort(np.tile(np.arange(count), copies), kind="stable")  # segment by segment
-    x, y = (
-        csr_matrix(vstack([values[k][axis] for k in order], format="csr")[along]) for axis in (0, 1)
-    )
-    normal = np.concatenate([stands[k].normal for k in order], axis=1)[:, along]
-    weights = np.concatenate([stands[k].weight for k in order])[along]
-    length = np.repeat(np.linalg.norm(segments.end - segments.start, axis=0), copies)
-
-    def across(direction: Floats) -> Sparse:
-        share = direction / length
-        return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
-
-    opening, slipping = across(normal), across(np.stack([-normal[1], normal[0]]))
-    sides_of = [
+    meeting = [
+        (name, edges) for (name, _), edges in zip(interface.sides, segments.edges, strict=True)
+    ]
+    rates = _Rates.of(segments, [(dofs[name], dofs[name].parts(own)) for name, own in meeting], n)
+    sides = [
         _Side.of(index, name, continua[name], edges, segments)
         for name, edges in meeting
         if name in continua
     ]
-    beside = (sides_of[0], sides_of[-1])  # twice the same beside what is rigid
+    beside = (sides[0], sides[-1])  # twice the same beside what is rigid
     side = np.argmin([own.cost for own in beside], axis=0)
-    places, ends = np.arange(copies), (segments.start, segments.end)
+    ends, count, copies = (segments.start, segments.end), segments.slave.size, rates.copies
     found = {}
     for which, own in enumerate(beside):
         other = beside[1 - which]
@@ -120,28 +104,64 @@ def _seam(
             ):
                 if not part.size:
                     continue
-                cones = (copies * part[:, None] + places).ravel()
                 title = interface.name
                 if len(own.layers) > 1 or part.size < count:
                     title = f"{title}, {weak.region.group_name(own.name)}"
                 if beyond is not None:
                     title = f"{title} beside {other.layers[beyond].region.group_name(other.name)}"
-                group = layer(
-                    f"{title}: jumps",
-                    weak.form,
-                    (opening[cones], slipping[cones]),
-                    (weights * length)[cones],
-                    carried,
-                )
+                cones = (copies * part[:, None] + np.arange(copies)).ravel()
                 found[title] = Jumps(
                     bodies=(beside[0].name, beside[1].name),
-                    group=group,
+                    group=layer(f"{title}: jumps", weak.form, *rates.at(cones), carried),
                     elements=np.stack([np.repeat(one.elements[part], copies) for one in beside]),
                     place=np.arange(cones.size),
                     copies=copies,
                     ends=np.repeat(carried.ends, copies, axis=1),
                 )
     return found
+
+
+@dataclass(frozen=True, repr=False)
+class _Rates(Compact):
+    """Rates of the jump at its control values, segment by segment.
+
+    Attributes:
+        opening, slipping: rows over the length of the segment, (copies e, n) each.
+        weights: times that length, shape (copies e,).
+        copies: control values of a segment.
+    """
+
+    opening: Sparse
+    slipping: Sparse
+    weights: Floats
+    copies: int
+
+    @classmethod
+    def of(cls, segments: Segments, sides: Sequence[tuple[Dofs, Ints]], n: int) -> "_Rates":
+        """Return those on segments; sides: slave and master, and which parts of them."""
+        stands = controls(segments, sides)
+        values = jump_rows(stands, sides, n)
+        order = _ORDER if len(stands) > 2 else (0, 1)
+        count, copies = segments.slave.size, len(stands)
+        along = np.argsort(np.tile(np.arange(count), copies), kind="stable")
+        x, y = (
+            csr_matrix(vstack([values[k][axis] for k in order], format="csr")[along])
+            for axis in (0, 1)
+        )
+        normal = np.concatenate([stands[k].normal for k in order], axis=1)[:, along]
+        weights = np.concatenate([stands[k].weight for k in order])[along]
+        length = np.repeat(np.linalg.norm(segments.end - segments.start, axis=0), copies)
+
+        def across(direction: Floats) -> Sparse:
+            share = direction / length
+            return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
+
+        slipping = across(np.stack([-normal[1], normal[0]]))
+        return cls(across(normal), slipping, weights * length, copies)
+
+    def at(self, cones: Ints) -> tuple[tuple[Sparse, Sparse], Floats]:
+        """Return opening and slipping, and the weights, of some control values."""
+        return (self.opening[cones], self.slipping[cones]), self.weights[cones]
 
 
 @dataclass(frozen=True, repr=False)

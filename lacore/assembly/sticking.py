@@ -13,6 +13,7 @@ from math import inf, isinf
 
 import numpy as np
 
+from lacore.arrays import Ints
 from lacore.assembly.slips import asked_of, contact_facets, meetings
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.footings import Footing
@@ -31,34 +32,57 @@ def yielding(
 
     Of straight triangles in the plane, as in `lacore.assembly.slips`.
     """
-    found = list(problem.interfaces)
     touched = [
         {} if interface.bonded else contact_facets(problem, index)
-        for index, interface in enumerate(found)
+        for index, interface in enumerate(problem.interfaces)
     ]
-    moves = [interface.obstacle is None for interface in found]
-    for index, interface in enumerate(found):
-        strengths = [bodies[name].strength for name in touched[index] if name in bodies]
-        most = min(strengths, default=inf)
-        if isinf(most) or not isinf(interface.law.terms().limit):
-            continue
-        if any(bodies[name].body.dimension == 3 for name in touched[index] if name in bodies):
-            # Along a face a body slips at its strength, as past what holds it (T90).
-            found[index] = replace(interface, friction=Tresca(most))
-            continue
-        for name, facets in touched[index].items():
-            if name not in bodies or not bodies[name].linear:
-                continue
-            asked, owner = asked_of(problem, name, bodies[name], footings)
-            beside = [np.unique(asked.nodes[moves[index] | (owner >= 0)])]
-            beside += [
-                touched[k][name]
-                for k in range(len(found))
-                if k != index and name in touched[k] and (moves[k] or moves[index])
-            ]
-            if any(meetings(bodies[name], facets, other)[0].any() for other in beside):
-                found[index] = replace(interface, friction=Tresca(most))
-    return tuple(found)
+    return tuple(
+        _yielding(interface, index, problem, bodies, footings, touched)
+        for index, interface in enumerate(problem.interfaces)
+    )
+
+
+def _yielding(
+    interface: Interface,
+    index: int,
+    problem: Problem,
+    bodies: Mapping[str, BodyDofs],
+    footings: Sequence[Footing],
+    touched: Sequence[Mapping[str, Ints]],
+) -> Interface:
+    """Return the interface with a number as it counts; `touched`: facets of each, by body."""
+    deformable = [bodies[name] for name in touched[index] if name in bodies]
+    most = min((body.strength for body in deformable), default=inf)
+    if isinf(most) or not isinf(interface.law.terms().limit):
+        return interface
+    # Along a face a body slips at its strength, as past what holds it (T90).
+    if any(body.body.dimension == 3 for body in deformable) or any(
+        _meets_moving(index, name, problem, bodies[name], footings, touched)
+        for name in touched[index]
+        if name in bodies and bodies[name].linear
+    ):
+        return replace(interface, friction=Tresca(most))
+    return interface
+
+
+def _meets_moving(
+    index: int,
+    name: str,
+    problem: Problem,
+    body: BodyDofs,
+    footings: Sequence[Footing],
+    touched: Sequence[Mapping[str, Ints]],
+) -> bool:
+    """Whether an interface meets on a body what moves otherwise: a footing, a moving side."""
+    moves = [interface.obstacle is None for interface in problem.interfaces]
+    asked, owner = asked_of(problem, name, body, footings)
+    beside = [np.unique(asked.nodes[moves[index] | (owner >= 0)])]
+    beside += [
+        own[name]
+        for other, own in enumerate(touched)
+        if other != index and name in own and (moves[other] or moves[index])
+    ]
+    return any(meetings(body, touched[index][name], other)[0].any() for other in beside)
 
 
 def opening(problem: Problem, status: Status) -> Finding | None:

@@ -126,11 +126,7 @@ def joined(
     dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
     """Rows of the stations of interfaces and, numbered after them, of all joints of blocks."""
-    stations, names = list(stations), [interface.name for interface in interfaces]
-    for name, dofs in jointed.items():
-        if dofs.body.joints.count:
-            stations.append(_joints(dofs, len(names), n))
-            names += [f"{name}: {joint}" for joint in dofs.body.joint_names]
+    stations, names = _with_joints(stations, interfaces, jointed, n)
     none = np.zeros((0, dimension))
     normal = np.concatenate([none, *(part.normal for part in stations)])
     axes = [
@@ -138,21 +134,14 @@ def joined(
         for axis in range(dimension)
     ]
 
-    def along(direction: Floats) -> Sparse:
-        parts = [own.multiply(part[:, None]) for own, part in zip(axes, direction.T, strict=True)]
-        rows = csr_matrix(sum(parts[1:], parts[0]))
-        rows.data[np.abs(rows.data) < _ROUND_OFF] = 0.0
-        rows.eliminate_zeros()
-        return rows
-
     def every(values: Sequence[Floats]) -> Floats:
         return np.concatenate([np.zeros(0), *values])
 
     numbers = [np.zeros(0, dtype=np.int64), *(part.interface for part in stations)]
     tension = every([part.laws.tension for part in stations])
-    first, *second = (along(axis) for axis in tangents(normal))
+    first, *second = (_along(axis, axes) for axis in tangents(normal))
     rows = ContactRows(
-        normal=along(normal),
+        normal=_along(normal, axes),
         tangential=interleaved(first, 1, second[0], 1) if second else first,
         tangent_dim=1 + len(second),
         weights=every([part.weights for part in stations]),
@@ -166,6 +155,30 @@ def joined(
     nothing = np.zeros((0, 2), dtype=np.int64)
     moving = np.concatenate([nothing, *(part.moving for part in stations)])
     return rows, ContactPoints(position, normal, moving, tuple(names))
+
+
+def _with_joints(
+    stations: Sequence[Station],
+    interfaces: Sequence[Interface],
+    jointed: Mapping[str, RigidDofs[RigidBlocks]],
+    n: int,
+) -> tuple[list[Station], list[str]]:
+    """Return the stations of interfaces and joints, and the names of both."""
+    every, names = list(stations), [interface.name for interface in interfaces]
+    for name, dofs in jointed.items():
+        if dofs.body.joints.count:
+            every.append(_joints(dofs, len(names), n))
+            names += [f"{name}: {joint}" for joint in dofs.body.joint_names]
+    return every, names
+
+
+def _along(direction: Floats, axes: Sequence[Sparse]) -> Sparse:
+    """Return the rows of the velocity along a direction at each point, (m, d)."""
+    parts = [own.multiply(part[:, None]) for own, part in zip(axes, direction.T, strict=True)]
+    rows = csr_matrix(sum(parts[1:], parts[0]))
+    rows.data[np.abs(rows.data) < _ROUND_OFF] = 0.0
+    rows.eliminate_zeros()
+    return rows
 
 
 def tangents(normal: Floats) -> tuple[Floats, ...]:

@@ -9,7 +9,7 @@ The units are found by solving: they are made of the loads and reactions of the 
 made anew only while the residuals by part (`lacore.certificate`) ask for it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -231,33 +231,42 @@ class RescalingSolver:
         Units that gain nothing are left again, and no others like them are tried: tall walls of
         thousands of blocks are solved best as they are, though none of them is to a digit more.
         """
-        best = self._asked(contact)
-        residual = largest_residual(self._program, best, contact)
+        best, residual = self._measured(contact)
         claims = best.status in _CLAIMS or (best.status is Status.SOLVED and residual <= _BAR)
         if self._units is not None and not claims and residual > self._good:
-            self._renew(None)  # units of loads may be worse than none
-            plain = self._asked(contact)
-            found = largest_residual(self._program, plain, contact)
-            gained = found <= residual or (plain.status in _CLAIMS and residual > _BAR)
-            best = of_both(plain if gained else best, best, plain)
-            residual = found if gained else residual
+            best, residual = self._unscaled(best, residual, contact)
+        best, residual = self._refined(best, residual, contact)
+        if residual <= self._good:
+            return best
+        best = self._cleaned(best, contact, residual)
+        return proven(self._program, best, contact, self._good)
+
+    def _measured(self, contact: FrozenContact) -> tuple[InnerSolution, float]:
+        """Return an answer and its largest residual."""
+        answer = self._asked(contact)
+        return answer, largest_residual(self._program, answer, contact)
+
+    def _unscaled(
+        self, best: InnerSolution, residual: float, contact: FrozenContact
+    ) -> tuple[InnerSolution, float]:
+        """Return the better of an answer and one without units: those of loads may be worse."""
+        self._renew(None)
+        plain, found = self._measured(contact)
+        gained = found <= residual or (plain.status in _CLAIMS and residual > _BAR)
+        return of_both(plain if gained else best, best, plain), found if gained else residual
+
+    def _refined(
+        self, best: InnerSolution, residual: float, contact: FrozenContact
+    ) -> tuple[InnerSolution, float]:
+        """Solve in units of the forces of the answer before, again while these gain."""
         tried = list(self._refused)
         for _ in range(_TRIES):
-            if best.point is None or residual <= self._good:
-                break
-            forces = part_forces(self._program, best.point)
-            # Speeds of pressed soil are local ones, and have units of their own.
-            speeds = not self._program.pressure_dependent
-            if forces.size == 1 and not speeds:
-                break
-            better = PartUnits.of(self._program, forces, best.point.velocity)
-            known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
-            if any(units.suit(better, speeds=speeds) for units in (known, *tried)):
+            better = None if residual <= self._good else self._better_units(best, tried)
+            if better is None:
                 break
             before = self._units
             self._renew(better)
-            answer = self._asked(contact)
-            found = largest_residual(self._program, answer, contact)
+            answer, found = self._measured(contact)
             pair = self._paired(best, answer, contact)
             together = largest_residual(self._program, pair, contact)
             gains, both = found <= _GAIN * residual, together <= _GAIN * min(found, residual)
@@ -272,10 +281,21 @@ class RescalingSolver:
             if not least < residual:
                 break
             residual = least
-        if residual <= self._good:
-            return best
-        best = self._cleaned(best, contact, residual)
-        return proven(self._program, best, contact, self._good)
+        return best, residual
+
+    def _better_units(self, best: InnerSolution, tried: Sequence[PartUnits]) -> PartUnits | None:
+        """Return units of the forces of an answer; None where known or tried ones suit them."""
+        if best.point is None:
+            return None
+        forces = part_forces(self._program, best.point)
+        # Speeds of pressed soil are local ones, and have units of their own.
+        speeds = not self._program.pressure_dependent
+        if forces.size == 1 and not speeds:
+            return None
+        better = PartUnits.of(self._program, forces, best.point.velocity)
+        known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
+        suited = any(units.suit(better, speeds=speeds) for units in (known, *tried))
+        return None if suited else better
 
     def _paired(
         self, one: InnerSolution, other: InnerSolution, contact: FrozenContact

@@ -63,26 +63,10 @@ def _row(
     fields: tuple[str, str, str],
 ) -> Floats:
     """See `graded`; `fields` are what errors call its arguments."""
-    extent, count_of, graded_by = fields
-    if not (is_number(start) and is_number(stop) and start < stop):
-        raise InputError(extent, (start, stop), "not an interval", "give (start, stop), start<stop")
-    require_range(extent, (start, stop))
-    if not (isinstance(cells, (int, np.integer)) and cells >= 1):
-        raise InputError(count_of, cells, "not a positive whole number", "give at least one cell")
+    _check_row(start, stop, cells, grade, fields)
     if grade is None:
         return np.linspace(start, stop, cells + 1)
-    if not (isinstance(grade, Sequence | np.ndarray) and len(grade) == 2):
-        fix = "give (at, ratio): a place, and the largest cell per smallest"
-        raise InputError(graded_by, grade, "not a pair", fix)
     at, ratio = grade
-    if not start <= at <= stop:
-        raise InputError(
-            graded_by, grade, f"the point lies outside [{start}, {stop}]", "move it inside"
-        )
-    if not (isfinite(ratio) and ratio >= 1):
-        raise InputError(
-            graded_by, grade, "the ratio of largest to smallest cell is below 1", "give ratio >= 1"
-        )
     reach = max(at - start, stop - at)
     growth = ratio - 1
 
@@ -98,15 +82,45 @@ def _row(
     left, right = at - start, stop - at
     count = round(cells * depth(left) / (depth(left) + depth(right)))
     count = min(max(count, 1 if left > 0 else 0), cells - 1 if right > 0 else cells)
-    if left > 0 and right > 0 and cells < 2:
-        raise InputError(
-            count_of, cells, f"one cell cannot have a vertex at {at}", "give at least two"
-        )
     row = np.concatenate(
         [at - one_side(left, count)[:0:-1], [at], at + one_side(right, cells - count)[1:]]
     )
     row[0], row[-1] = start, stop
     return row
+
+
+def _check_row(
+    start: float,
+    stop: float,
+    cells: int,
+    grade: tuple[float, float] | None,
+    fields: tuple[str, str, str],
+) -> None:
+    """Require an extent, cells, and a place and a ratio of a grade if there is one."""
+    extent, count_of, graded_by = fields
+    if not (is_number(start) and is_number(stop) and start < stop):
+        raise InputError(extent, (start, stop), "not an interval", "give (start, stop), start<stop")
+    require_range(extent, (start, stop))
+    if not (isinstance(cells, (int, np.integer)) and cells >= 1):
+        raise InputError(count_of, cells, "not a positive whole number", "give at least one cell")
+    if grade is None:
+        return
+    if not (isinstance(grade, Sequence | np.ndarray) and len(grade) == 2):
+        fix = "give (at, ratio): a place, and the largest cell per smallest"
+        raise InputError(graded_by, grade, "not a pair", fix)
+    at, ratio = grade
+    if not start <= at <= stop:
+        raise InputError(
+            graded_by, grade, f"the point lies outside [{start}, {stop}]", "move it inside"
+        )
+    if not (isfinite(ratio) and ratio >= 1):
+        raise InputError(
+            graded_by, grade, "the ratio of largest to smallest cell is below 1", "give ratio >= 1"
+        )
+    if start < at < stop and cells < 2:
+        raise InputError(
+            count_of, cells, f"one cell cannot have a vertex at {at}", "give at least two"
+        )
 
 
 def rectangle(
