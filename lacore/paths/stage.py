@@ -237,9 +237,7 @@ def staged(
     rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools.blocks)
     for name, block in rigid.items():
         require_single(name, block)
-    bodies = {n: curved_body(n, body) for n, body in problem.bodies.items() if n not in rigid}
-    folding = {own.slave[0] for own in approaching if own.self_contact}
-    bodies |= {n: FoldingBody.of(own) for n, own in bodies.items() if n in folding}
+    bodies = _deformable(problem, rigid, approaching)
     names = Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
     named = partial(_named, rigid=rigid, bodies=bodies, names=names)
     motions = drives or {}
@@ -284,6 +282,15 @@ def _check_stated(problem: Problem, approaching: Sequence[Interface]) -> None:
             )
     for place, load in problem.loads.items():
         check_load(load, place)
+
+
+def _deformable(
+    problem: Problem, rigid: Mapping[str, BlockAssembly], approaching: Sequence[Interface]
+) -> dict[str, Body]:
+    """Return the bodies with curved elements, those in contact with themselves as such."""
+    bodies = {n: curved_body(n, body) for n, body in problem.bodies.items() if n not in rigid}
+    folding = {own.slave[0] for own in approaching if own.self_contact}
+    return bodies | {n: FoldingBody.of(own) for n, own in bodies.items() if n in folding}
 
 
 def _named(
