@@ -4,21 +4,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lacore as la
 from lacore.certificate import certify
 from lacore.coupling.bounds import kinematic_load_factor
 from lacore.program import Scales, associated_contact, dimensionless
+from lacore.state import ProgramState
 from tests.lacore.models import deformable_block
 from tests.lacore.planted import (
     MU,
+    P0,
     flowing,
     flowing_field,
     on_free_unknowns,
     sliding,
     sliding_field,
+)
+from tests.lacore.random_programs import (
+    POINTS,
+    N,
+    random_program,
+    random_soil,
+    random_step,
 )
 from verification.cases.strip_footing_gamma import CASE as SAND
 
@@ -296,3 +305,103 @@ def test_all_of_the_slip_of_points_that_stick_is_a_residual():
     """Slip at the speed of the fastest point is all of it, though nothing penetrates."""
     program, state = SLIDING_ERRORS["slip where the law sticks"](*SLIDING)
     assert certify(program, state).penetration == pytest.approx(1.0)
+
+
+def test_a_load_the_other_way_round_is_judged_alike():
+    """Forces and the sign of the load factor: what is out of balance is as much of the load."""
+    program, state = SLIDING_ERRORS["cone violated by 1e-3"](*SLIDING)
+    state = replace(state, stress=tuple(1.001 * own for own in state.stress))
+    other = replace(program, reference_load=-program.reference_load)
+    one, turned = certify(program, state), certify(other, replace(state, load_factor=-MU * P0))
+    assert one.equilibrium > 1e-6
+    for name in ("equilibrium", "yield_violation", "cone"):
+        assert getattr(turned, name) == pytest.approx(getattr(one, name), rel=1e-12)
+
+
+def test_what_swells_is_as_large_as_the_strain_rate_lets_it_count():
+    """theta = 1e-3 where all moves at 1 and strains by no more: per velocity over body length."""
+    program, state = SLIDING_ERRORS["swells"](*SLIDING)
+    assert certify(program, state).divergence == pytest.approx(1e-3, rel=1e-2)
+    program, state = FLOWING_ERRORS["beyond yield by 1e-3"](*FLOWING)
+    faster = replace(state, velocity=on_free_unknowns(FLOWING[0], wider))
+    # theta = 0.5 beside a rate eps_xx - eps_yy of 2.5.
+    assert certify(program, faster).divergence == pytest.approx(0.5 / 2.5, rel=1e-9)
+
+
+def wider(x):
+    return np.stack([1.5 * x[0], -x[1]])
+
+
+def random_state(program, rng):
+    """A state that is wrong in everything."""
+
+    def drawn(*shape):
+        return rng.uniform(-1, 1, shape)
+
+    groups, points = program.groups, program.contact.count
+    return ProgramState(
+        velocity=drawn(program.n),
+        load_factor=float(rng.uniform(-1, 1)),
+        stress=tuple(drawn(group.weights.size, group.dim) for group in groups),
+        mean_stress=tuple(drawn(group.weights.size * group.volumes) for group in groups),
+        normal_reaction=drawn(points),
+        tangential_reaction=drawn(points, program.contact.tangent_dim),
+    )
+
+
+def in_units(state, scales):
+    return replace(
+        state,
+        velocity=state.velocity / scales.velocity,
+        load_factor=state.load_factor / scales.load_factor,
+        stress=tuple(own / scales.stress for own in state.stress),
+        mean_stress=tuple(own / scales.stress for own in state.mean_stress),
+        normal_reaction=state.normal_reaction / scales.stress,
+        tangential_reaction=state.tangential_reaction / scales.stress,
+    )
+
+
+@given(
+    seed=st.integers(0, 10**6),
+    kind=st.sampled_from([random_program, random_step, random_soil]),
+    length=st.floats(-6, 6),
+    stress=st.floats(-3, 9),
+    velocity=st.floats(-6, 6),
+    sticks=st.booleans(),
+)
+@settings(max_examples=20)
+def test_no_residual_depends_on_units(seed, kind, length, stress, velocity, sticks):
+    """Of a state that is wrong in everything, so that none of them vanishes."""
+    rng = np.random.default_rng(seed)
+    program = replace(kind(seed), parts=np.repeat([0, 1, 2], N // 3))
+    if sticks:
+        limit = np.where(np.arange(POINTS) == 0, np.inf, program.contact.limit)
+        program = replace(program, contact=replace(program.contact, limit=limit))
+    state = random_state(program, rng)
+    scales = Scales(10**length, 10**stress, 10**velocity)
+    other, scaled = dimensionless(program, scales), in_units(state, scales)
+    contact = associated_contact(program.contact)
+    frozen = associated_contact(other.contact)
+    for one, two in (
+        (certify(program, state), certify(other, scaled)),
+        (certify(program, state, contact), certify(other, scaled, frozen)),
+    ):
+        for name, size in vars(one).items():
+            # F0.U is a number, and its error may be anything.
+            assert getattr(two, name) == pytest.approx(size, rel=1e-8), name
+
+
+def test_slip_of_points_that_stick_dissipates_nothing():
+    """They have no bound to slip at: the gap is all of the load factor, mu p0."""
+    program, state = SLIDING_ERRORS["slip where the law sticks"](*SLIDING)
+    assert certify(program, state).gap == pytest.approx(MU * P0)
+
+
+def test_what_swells_may_take_as_much_as_mean_stresses_do_there():
+    """T15: the load feels the pair gap and the power of mean stresses on the growth of 1e-3."""
+    program, state = SLIDING_ERRORS["swells"](*SLIDING)
+    seen = certify(program, state)
+    # Friction, strain and the dead load that is lifted: what powers are relative to.
+    power = MU * P0 + 1e-3 + P0 * 1e-3
+    assert seen.gap * power == pytest.approx(1e-3 + P0 * 1e-3)
+    assert (seen.load - seen.gap) * power == pytest.approx(P0 / 2 * 1e-3)

@@ -40,7 +40,7 @@ class Copy:
     def notices(self, mutant: Mutant) -> tuple[bool, float]:
         """Return whether the tests notice an error, and the time that they take, s."""
         limit = max(_LEAST_LIMIT, _SLOWER * self._without_error(mutant.tests))
-        original = (ROOT / mutant.path).read_bytes()
+        original = (self.root / mutant.path).read_bytes()
         self._write(mutant.path, mutant.source)
         try:
             code, seconds = self._run(mutant.tests, limit)

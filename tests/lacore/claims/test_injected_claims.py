@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.claims.carrying import _residual_of_fall, carrying
 from lacore.claims.dead_collapse import DeadCollapse
 from lacore.claims.free_motion import without_dissipation
+from lacore.claims.locking_ray import LockingRay, _judged, locking_ray
+from lacore.inner.preparing import prepared_by
 from lacore.program import associated_contact
+from tests.lacore.claims.test_claims import frozen, on_incline
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
 
 TOLERANCE = 1e-6
@@ -59,3 +63,148 @@ def test_sliding_that_lifts_a_weight_is_no_free_motion():
     assert not without_dissipation(program, state, contact, TOLERANCE)
     loose = replace(state, normal_reaction=0 * state.normal_reaction)
     assert without_dissipation(program, loose, contact, TOLERANCE)
+
+
+LOCKED = LockingRay(residual=0.0, beyond=0.0, release=0.0, point=sliding()[1])
+
+
+def test_reactions_that_carry_the_load_alone_prove_that_it_is_locked():
+    assert LOCKED.proves
+    assert replace(LOCKED, residual=1e-13, beyond=1e-13, release=0.999).proves
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"residual": 1e-11}, {"beyond": 1e-11}, {"release": 1.0}, {"release": 1.5}], ids=str
+)
+def test_one_wrong_number_proves_no_locking(wrong):
+    assert not replace(LOCKED, **wrong).proves
+
+
+def pressed_on_a_slope(friction):
+    """A unit block at 0.3 rad that is pressed by a vertical force: locked from tan 0.3 on."""
+    return frozen(on_incline(0.3, friction, weight=1.0))
+
+
+def test_a_locking_ray_is_judged_by_the_laws_of_the_problem():
+    """Friction of 0.31 = tan(0.3) carries it; what 0.4 carries is beyond a cone of 0.2."""
+    program, contact = pressed_on_a_slope(0.4)
+    ray = locking_ray(program, contact)
+    sizes = np.abs(program.reference_load)
+    assert ray.proves
+    assert _judged(program, contact, ray.point, sizes).proves
+    weaker = _judged(*pressed_on_a_slope(0.2), ray.point, sizes)
+    assert weaker.residual <= 1e-12
+    assert weaker.beyond > 0.1
+    assert not weaker.proves
+    for name in ("normal_reaction", "tangential_reaction"):
+        more = replace(ray.point, **{name: (1 + 1e-9) * getattr(ray.point, name)})
+        other = _judged(program, contact, more, sizes)
+        assert other.residual > 1e-12
+        assert not other.proves
+
+
+def test_a_locking_ray_needs_what_shifts_cannot_release():
+    """A distance that closes by 1 per unit of the load's power is as much load factor."""
+    program, contact = pressed_on_a_slope(0.4)
+    ray = locking_ray(program, contact)
+    pressed = float(program.contact.weights @ ray.point.normal_reaction)
+    for share, proves in ((0.5, True), (1.5, False)):
+        shift = np.full(program.contact.count, share / pressed)
+        other = _judged(program, replace(contact, shift=shift), ray.point, np.ones(program.n))
+        assert other.release == pytest.approx(share)
+        assert other.proves == proves
+
+
+def answering(change):
+    """A solver whose answers are changed."""
+    true = prepared_by("clarabel", {})
+
+    def prepare(program):
+        class Solver:
+            def __init__(self):
+                self._solver = true(program)
+
+            def solve(self, contact):
+                answer = self._solver.solve(contact)
+                return replace(answer, point=change(answer.point))
+
+            def close(self):
+                self._solver.close()
+
+        return Solver()
+
+    return prepare
+
+
+def stood(friction, change=lambda point: point):
+    """Whether a block under its own weight stands on a slope of 0.3 rad."""
+    program, contact = frozen(on_incline(0.3, friction, push=(1.0, 0.0), weight=2.0))
+    return program, carrying(program, contact, answering(change), TOLERANCE)
+
+
+def test_a_block_carries_its_weight_on_a_slope_below_the_angle_of_friction():
+    program, found = stood(0.4)
+    assert found.falling is None
+    rows, weight = program.contact, float(np.abs(program.dead_load).sum())
+    point = found.carried
+    pressed, rubbed = (
+        float(rows.weights @ own)
+        for own in (point.normal_reaction, point.tangential_reaction[:, 0])
+    )
+    assert (pressed, abs(rubbed)) == pytest.approx((weight * np.cos(0.3), weight * np.sin(0.3)))
+    assert not point.velocity.any()
+
+
+def test_a_block_slides_down_a_slope_above_the_angle_of_friction():
+    """Dilation of 0.2 on a slope of tan 0.31: it falls by the difference, and nothing is taken."""
+    program, found = stood(0.2)
+    assert found.carried is None
+    velocity = found.falling.velocity
+    assert program.dead_load @ velocity == pytest.approx(1.0)
+    slip, opening = program.contact.slip(velocity)[:, 0], program.contact.opening(velocity)
+    assert np.all(opening >= 0.2 * np.abs(slip) * (1 - 1e-5))
+
+
+def off(**changes):
+    def change(point):
+        fields = {name: factor * getattr(point, name) for name, factor in changes.items()}
+        return replace(point, **fields)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("friction", "change"),
+    [
+        (0.4, off(normal_reaction=1.001)),
+        (0.4, off(tangential_reaction=0.0)),
+        (0.4, off(load_factor=0.9)),
+        (0.2, off(velocity=-1.0)),
+        (0.2, lambda point: replace(point, velocity=0 * point.velocity)),
+    ],
+)
+def test_answers_that_are_wrong_prove_nothing(friction, change):
+    found = stood(friction, change)[1]
+    assert (found.carried, found.falling) == (None, None)
+    assert np.isnan(found.residual)
+
+
+def test_a_mechanism_that_dissipates_the_dead_power_is_no_fall():
+    """A block on a slope whose base has a limit of friction of just what pulls it down."""
+    for share, falls in ((0.9, True), (1.1, False)):
+        pull = 2.0 * np.sin(0.3)  # the base is 1 m long
+        program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
+        along = stood(0.2)[1].falling  # some state, with the velocity of the slope
+        direction = slide_of(program)
+        falling = replace(along, velocity=direction / float(program.dead_load @ direction))
+        residual = _residual_of_fall(program, contact, falling, TOLERANCE)
+        assert (residual <= TOLERANCE) == falls
+
+
+def slide_of(program):
+    """The motion down the slope of a block: no opening, slip alike at both corners."""
+    rows = program.contact
+    matrix = np.vstack([rows.normal.toarray(), rows.tangential.toarray()])
+    wanted = np.append(np.zeros(rows.count), np.ones(rows.count))
+    motion = np.linalg.lstsq(matrix, wanted, rcond=None)[0]
+    return motion * np.sign(program.dead_load @ motion)
