@@ -405,3 +405,13 @@ def test_what_swells_may_take_as_much_as_mean_stresses_do_there():
     power = MU * P0 + 1e-3 + P0 * 1e-3
     assert seen.gap * power == pytest.approx(1e-3 + P0 * 1e-3)
     assert (seen.load - seen.gap) * power == pytest.approx(P0 / 2 * 1e-3)
+
+
+def test_opening_at_one_point_makes_up_for_no_penetration_at_another():
+    """The square turns by 2e-3 about the middle of its base, where a pressure of p0 does no power.
+
+    The power of the reactions at each point counts: |x - 1/2| is 1/4 on the average.
+    """
+    program, state = SLIDING_ERRORS["penetration"](*SLIDING)
+    power = MU * P0 * (1 + 2e-3)  # of friction; the slip at the base is faster by the turn
+    assert certify(program, state).slip == pytest.approx(P0 * 2e-3 / 4 / power)
