@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from contextlib import closing
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stresses.admissible import margins, weaker
 from lacore.bounds.stresses.attempt import Attempt, attempt
 from lacore.certificate import Certificate
-from lacore.claims.judged import Ray, judged_claim
+from lacore.claims.judged import Prepare, Ray, judged_claim
 from lacore.errors import SolveError, typed
 from lacore.inner.preparing import preparing, require_exact
 from lacore.limit.conversion import in_si, ray_in_si
@@ -216,36 +217,61 @@ def lower_bound(
     read_options(require_exact(backend, "a lower bound"), options or {})
     begin = time.perf_counter()
     model = problem if isinstance(problem, StaticModel) else static_model(problem)
-    bound = _found(model, 0.0, backend, options or {}, begin)
+    solved = _solved(model, 0.0, backend, options or {}, begin)
+    settled = True
     for _ in range(_ROUNDS if model.bulging.live else 0):
-        most = bound.load_factor * _MORE
-        if bound.status is not Status.SOLVED:
+        if solved.status is not Status.SOLVED:
             break
-        bound = _found(model, most, backend, options or {}, begin)
-        if min(most, 0.0) <= bound.load_factor <= max(most, 0.0):
+        most = solved.load_factor * _MORE
+        solved = _solved(model, most, backend, options or {}, begin)
+        settled = min(most, 0.0) <= solved.load_factor <= max(most, 0.0)
+        if settled:
             break
-    else:
-        if model.bulging.live and bound.status is Status.SOLVED:
-            bound = replace(
-                bound,
-                status=Status.NOT_CERTIFIED,
-                load_factor=np.nan,
-                rigor=Rigor.NOT_CERTIFIED,
-                findings=(Finding(Kind.FORCES_NOT_SETTLED, severity=Severity.REASON),),
-            )
+    bound = _bound(solved, backend, options or {}, settled or solved.status is not Status.SOLVED)
     if throw and bound.status is not Status.SOLVED:
         raise SolveError(bound.message, bound)
     return bound
 
 
-def _found(
+@dataclass(frozen=True)
+class _Solved:
+    """What solves with smaller and smaller strengths come to, dimensionless.
+
+    Attributes:
+        model: with what quadratic stresses leave of strengths.
+        program: of it.
+        attempts: one a margin.
+        status: what is proven.
+        refuted: why the claim of the solver is not proven; None where it is, or there is none.
+        ray: what proves LOCKED or UNSAFE.
+        times: of assembly, of everything after it but compilation, of compilation, s.
+    """
+
+    model: StaticModel
+    program: KinematicProgram
+    attempts: tuple[Attempt, ...]
+    status: Status
+    refuted: Finding | None
+    ray: Ray | None
+    times: tuple[float, float, float]
+
+    @property
+    def load_factor(self) -> float:
+        """In SI units; NaN where none is proven, +inf where the load is locked."""
+        state = self.attempts[-1].state
+        if self.status is Status.SOLVED and state is not None:
+            return float(state.load_factor * self.program.scales.load_factor)
+        return np.inf if self.status is Status.LOCKED else np.nan
+
+
+def _solved(
     model: StaticModel,
     most: float,
     backend: str,
     options: Mapping[str, Any],
     begin: float,
-) -> LowerBound:
-    """A bound with what quadratic stresses leave of strengths up to a load factor."""
+) -> _Solved:
+    """Solve with what quadratic stresses leave of strengths up to a load factor."""
     engine = find_backend(backend)
     engine_options = read_options(engine, options)
     if model.bulging.any:
@@ -255,72 +281,75 @@ def _found(
     build_time, clock = time.perf_counter() - begin, SolveClock()
     make_ready(engine)
     exact = exactness(dofs.body for dofs in model.continua.values())
-    attempts, status, ray = list[Attempt](), Status.NOT_CERTIFIED, None
     tolerance = nominal_tolerance(engine, engine_options)
-    good = max(_GOOD, _LEFT * tolerance)
-    prepare = preparing(engine, engine_options, good=good)
-    tried = margins(program, tolerance)
+    prepare = preparing(engine, engine_options, good=max(_GOOD, _LEFT * tolerance))
+    attempts = _attempts(program, prepare, tolerance, exact)
+    last, refuted, ray = attempts[-1], None, None
+    status = Status.SOLVED if last.proves else Status.NOT_CERTIFIED
+    if last.state is None:
+        laws = associated_contact(program.contact)
+        status, refuted, ray = judged_claim(
+            last.inner.status, program, laws, laws, prepare, _TOLERANCE
+        )
+    times = build_time, clock.seconds, clock.compile_time
+    return _Solved(model, program, attempts, status, refuted, ray, times)
+
+
+def _attempts(
+    program: KinematicProgram, prepare: Prepare, tolerance: float, exact: float
+) -> tuple[Attempt, ...]:
+    """Take more and more off all strengths, until the stresses are admissible or there are none."""
+    attempts, tried = list[Attempt](), margins(program, tolerance)
     for margin in tried:
         if attempts and margin < min(attempts[-1].lacks, tried[-1]):
             continue  # it would lack as much again
         less = weaker(program, margin)
-        solver = prepare(less)
-        try:
+        with closing(prepare(less)) as solver:
             answer = solver.solve(associated_contact(less.contact))
-        finally:
-            solver.close()
         answer = checked_answer(less, False, answer)
         attempts.append(attempt(program, less, margin, answer, exact))
-        if attempts[-1].proves:
-            status = Status.SOLVED
         if attempts[-1].proves or attempts[-1].state is None:
             break
-    inner = attempts[-1].inner
-    refuted = None
-    if attempts[-1].state is None:
-        status = inner.status
-        laws = associated_contact(program.contact)
-        status, refuted, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
-    bound = _bound(model, program, status, attempts, backend, options, build_time, clock)
-    if refuted:
-        bound = replace(bound, findings=(refuted,))
-    if ray is None:
-        return bound
-    return replace(bound, ray=ray_in_si(program.scales, ray, in_si(program.scales, ray.point)))
+    return tuple(attempts)
 
 
-def _bound(
-    model: StaticModel,
-    program: KinematicProgram,
-    status: Status,
-    attempts: list[Attempt],
-    backend: str,
-    options: Mapping[str, Any],
-    build_time: float,
-    clock: SolveClock,
-) -> LowerBound:
-    """The end of it as a bound of the problem, in SI units."""
-    last, scales = attempts[-1], program.scales
-    load_factor = np.inf if status is Status.LOCKED else np.nan
-    rigor = Rigor.NOT_CERTIFIED
+def _bound(solved: _Solved, backend: str, options: Mapping[str, Any], settled: bool) -> LowerBound:
+    """The end of it as a bound of the problem, in SI units.
+
+    Args:
+        solved: the last solve.
+        backend, options: of it.
+        settled: whether the strengths that it had are enough for its load factor.
+    """
+    model, last, scales = solved.model, solved.attempts[-1], solved.program.scales
+    status = solved.status if settled else Status.NOT_CERTIFIED
+    rigor, ray = Rigor.NOT_CERTIFIED, None
     if status is Status.SOLVED and last.state is not None:
-        load_factor = last.state.load_factor * scales.load_factor
         exact = all(dofs.body.geometry == "exact" for dofs in model.continua.values())
         rigor = Rigor.LOWER if exact else Rigor.DISCRETE
+    findings = tuple(_findings(model, status, rigor, last))
+    if solved.refuted:
+        findings = (solved.refuted,)
+    if not settled:
+        findings = (Finding(Kind.FORCES_NOT_SETTLED, severity=Severity.REASON),)
+    if solved.ray is not None:
+        ray = ray_in_si(scales, solved.ray, in_si(scales, solved.ray.point))
+    build_time, solve_time, compile_time = solved.times
     return LowerBound(
         status=status,
-        load_factor=float(load_factor),
+        load_factor=solved.load_factor if settled else np.nan,
         rigor=rigor,
         backend=backend,
         certificate=last.after,
-        history=pd.DataFrame([attempt.row(scales.load_factor) for attempt in attempts]),
+        history=pd.DataFrame([attempt.row(scales.load_factor) for attempt in solved.attempts]),
         build_time=build_time,
-        solve_time=clock.seconds,
-        compile_time=clock.compile_time,
+        solve_time=solve_time,
+        compile_time=compile_time,
         options=dict(options),
-        findings=tuple(_findings(model, status, rigor, last)),
+        findings=findings,
         model=model,
-        point=None if last.state is None else in_si(program.scales, last.state),
+        point=None if last.state is None else in_si(scales, last.state),
+        ray=ray,
     )
 
 

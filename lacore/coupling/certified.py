@@ -67,32 +67,32 @@ def _from_associated(run: Run) -> Coupled:
     anchor = anchored(run) if first.inner.status is Status.LOCKED else first
     static = anchor.inner.point
     if run.free(anchor):
-        return replace(run.judged(anchor), findings=_OUTSIDE if anchor is first else _TRIVIAL)
+        return run.judged(anchor, findings=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     of_contact = (by_places, averaged, central_path, _damped, _alternated, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:
-            return _bounded(run, run.judged(found), first)
+            return _bounded(run, found, first)
     return _undecided(run, first)
 
 
-def _bounded(run: Run, coupled: Coupled, first: Iterate) -> Coupled:
-    """The end of the loop, unless the associated load factor, an upper bound (T14), refutes it.
+def _bounded(run: Run, found: Iterate, first: Iterate) -> Coupled:
+    """The end of the loop, where the associated load factor, an upper bound (T14), may refute it.
 
     That the frictionless one is below needs no solve: friction only adds to ``D(u) - Fd.u`` of an
     admissible velocity, and penetration is judged by the power that it could turn over.
     """
-    state = coupled.final.state
+    state = found.state
     if state is None or not run.program.homogeneous:
-        return coupled
+        return run.judged(found)
     upper = upper_bound(run.program.associated(), first.inner, run.options.tolerance)
     slack = run.options.tolerance * kinematic_power(run.program, state)
     if state.load_factor <= upper + slack:
-        return coupled
+        return run.judged(found)
     refuted = Finding(Kind.LOWER_MECHANISM, severity=Severity.REASON)
-    return replace(coupled, status=Status.NOT_CERTIFIED, findings=(refuted,))
+    return run.end(Status.NOT_CERTIFIED, found, findings=(refuted,))
 
 
 def anchored(run: Run) -> Iterate:
@@ -141,7 +141,7 @@ def _undecided(run: Run, first: Iterate) -> Coupled:
     """No certificate within the budget: the Coulomb bounds of T14, and no number."""
     trivial = next((iterate for iterate in run.iterates if run.free(iterate)), None)
     if trivial is not None:
-        return replace(run.end(Status.FREE, trivial), findings=_TRIVIAL)
+        return run.end(Status.FREE, trivial, findings=_TRIVIAL)
     locked = first.inner.status is Status.LOCKED
     candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
     best = min(candidates, key=worst)

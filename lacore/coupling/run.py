@@ -298,10 +298,11 @@ class Run:
         *,
         laws: FrozenContact | None = None,
         bracket: tuple[float, float] | None = None,
+        findings: tuple[Finding, ...] = (),
     ) -> Coupled:
         """The end of the loop, at its last iterate unless another is given."""
         final = final or self.iterates[-1]
-        found = tuple(self.iterates), final, laws, self.contraction, bracket
+        found = tuple(self.iterates), final, laws, self.contraction, bracket, findings
         return Coupled(status, *found, tolerance=self.options.tolerance)
 
     def accept(self) -> Iterate | None:
@@ -312,7 +313,12 @@ class Run:
         proven = [one for one in self.iterates if self.proven(one) and not self.free(one)]
         return min(proven, key=worst, default=None)
 
-    def judged(self, iterate: Iterate, laws: FrozenContact | None = None) -> Coupled:
+    def judged(
+        self,
+        iterate: Iterate,
+        laws: FrozenContact | None = None,
+        findings: tuple[Finding, ...] = (),
+    ) -> Coupled:
         """The end of a loop at an iterate that is final."""
         status = iterate.inner.status
         if iterate.state is not None:
@@ -322,7 +328,7 @@ class Run:
                 status = Status.SOLVED
             elif status in _FINISHED:
                 status = Status.NOT_CERTIFIED
-        return self.end(status, iterate, laws=laws)
+        return self.end(status, iterate, laws=laws, findings=findings)
 
     def free(self, iterate: Iterate, laws: FrozenContact | None = None) -> bool:
         """Whether an admissible rigid motion turns over no power at all.

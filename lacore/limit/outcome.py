@@ -39,6 +39,23 @@ class Times:
         )
 
 
+@dataclass(frozen=True)
+class Proof:
+    """What is proven in place of a claim of a loop.
+
+    Attributes:
+        status: The claim, what is proven instead, or NOT_CERTIFIED.
+        findings: Why it differs from the claim; empty where it does not.
+        ray: Proof of LOCKED or UNSAFE, dimensionless.
+        falling: Mechanism of the dead loads, SI units, of UNSAFE; None where there is none.
+    """
+
+    status: Status
+    findings: tuple[Finding, ...]
+    ray: Ray | None
+    falling: ProgramState | None = None
+
+
 @dataclass(frozen=True, repr=False)
 class Outcome(Compact):
     """What a solve found, and what is proven of it.
@@ -111,8 +128,9 @@ def outcome_of(
     times: Times,
     *,
     regularised: bool = False,
+    proof: Proof | None = None,
 ) -> Outcome:
-    """Return the outcome of a loop, with the claim of the loop as its status."""
+    """Return the outcome of a loop, with what is proven of its claim if that needs a proof."""
     point, certificate = coupled.final.state, coupled.final.certificate
     bound = coupled.laws is not None or program.associated_flow
     if bound and point is not None and certificate is not None and not regularised:
@@ -120,17 +138,20 @@ def outcome_of(
         point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
         # The gap stays that between the two values; everything else must hold for the reported one.
         certificate = replace(certify(program, point, coupled.laws), gap=certificate.gap)
+    proof = proof or Proof(coupled.status, coupled.findings, None)
+    own = None if point is None else point_in_si(discretisation, point)
+    falls = proof.ray is not None and proof.status is Status.UNSAFE and program.homogeneous
     return Outcome(
         discretisation=discretisation,
         program=program,
         coupled=coupled,
         coupling=coupling,
         regularised=regularised,
-        status=coupled.status,
-        point=None if point is None else point_in_si(discretisation, point),
+        status=proof.status,
+        point=proof.falling if falls else own,
         certificate=certificate,
-        findings=coupled.findings,
-        ray=None,
+        findings=proof.findings,
+        ray=proof.ray,
         times=times,
     )
 

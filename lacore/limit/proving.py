@@ -10,18 +10,17 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.backend import Backend
-from lacore.claims.judged import CLAIMED, judged_claim
+from lacore.claims.judged import CLAIMED, Prepare, judged_claim
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import CouplingOptions, Iterate, Run
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run
 from lacore.inner.preparing import prepared_by, preparing, rough
 from lacore.inner.rescaling import good_for
 from lacore.limit.engines import engine_for, stated
-from lacore.limit.outcome import Outcome, Times, outcome_of
+from lacore.limit.outcome import Outcome, Proof, Times, outcome_of
 from lacore.limit.stability import stability_of
 from lacore.problem.problem import Problem
-from lacore.program import associated_contact, frictionless_contact
+from lacore.program import KinematicProgram, associated_contact, frictionless_contact
 from lacore.showing import Compact
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.isolation import SolverProcess, make_ready
@@ -78,34 +77,36 @@ def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outco
             time_limit=options.time_limit,
         )
         coupled = COUPLINGS[coupling].run(run)
-    times = Times(build_time, np.nan)
-    claimed = outcome_of(problem, program, coupled, coupling, times, regularised=regularised)
-    outcome = _proven(claimed, engine, options, request)
-    return replace(outcome, times=Times(build_time, clock.seconds, clock.compile_time))
+    proof = None
+    if coupled.status in CLAIMED:
+        judge = prepared_by(JUDGE, {}) if regularised else preparing(engine, options)
+        proof = _proof(problem, program, coupled, coupling, judge, request)
+    times = Times(build_time, clock.seconds, clock.compile_time)
+    return outcome_of(
+        problem, program, coupled, coupling, times, regularised=regularised, proof=proof
+    )
 
 
-def _proven(outcome: Outcome, engine: Backend, options: Any, request: Request) -> Outcome:
+def _proof(
+    problem: Discretisation,
+    program: KinematicProgram,
+    coupled: Coupled,
+    coupling: str,
+    prepare: Prepare,
+    request: Request,
+) -> Proof:
     """Prove a claim that needs a solver: LOCKED by a ray, UNSAFE by a mechanism."""
-    coupled, program = outcome.coupled, outcome.program
-    if coupled.status not in CLAIMED:
-        return outcome
     status, why, ray = judged_claim(
         coupled.status,
         program,
         coupled.laws or frictionless_contact(program.contact),
         coupled.laws or associated_contact(program.contact),
-        prepared_by(JUDGE, {}) if outcome.regularised else preparing(engine, options),
+        prepare,
         coupled.tolerance,
     )
-    point = outcome.point
+    falling = None
     if status is Status.UNSAFE and program.homogeneous:
-        point = stability_of(
-            outcome.discretisation,
-            request.backend,
-            request.options,
-            outcome.coupling,
-            coupled.tolerance,
-            np.nan,
+        falling = stability_of(
+            problem, request.backend, request.options, coupling, coupled.tolerance, np.nan
         ).point
-    findings = (why,) if why else ()
-    return replace(outcome, status=status, findings=findings, ray=ray, point=point)
+    return Proof(status, (why,) if why else (), ray, falling)

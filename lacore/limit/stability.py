@@ -9,7 +9,7 @@ stands means that it can, not that it must.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,7 +19,7 @@ import numpy as np
 from lacore.assembly.discretisation import Discretisation
 from lacore.backend import checked_answer, find_backend
 from lacore.certificate import certify
-from lacore.claims.carrying import carrying
+from lacore.claims.carrying import Carrying, carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.kinds import COUPLINGS
 from lacore.inner.preparing import prepared_by
@@ -41,6 +41,10 @@ from lacore.showing import Facts, Shown
 from lacore.solvers.registry import JUDGE
 from lacore.state import ProgramState
 from lacore.status import Standing, Status
+
+Verdict = tuple[Standing, tuple[Finding, ...]]
+Judge = Callable[[Standing, tuple[Finding, ...]], Verdict]
+"""What becomes of what is proven of the discrete problem, and what there is to report."""
 
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
@@ -117,6 +121,7 @@ def stability_of(
     coupling: str,
     tolerance: float,
     load_factor: float,
+    judge: Judge = lambda *proven: proven,
 ) -> Stability:
     """What is proven of the problem that a state answers.
 
@@ -129,6 +134,7 @@ def stability_of(
         tolerance: bar for all residuals.
         load_factor: of the state, where its own stresses and reactions prove that it is carried;
             +inf of a load that is locked; NaN of any other.
+        judge: has the last word on what is proven of the discrete problem.
 
     Raises:
         InputError: a state within a step of a path: how fast it moves is given there.
@@ -144,45 +150,56 @@ def stability_of(
     stated = dimensionless(discretisation.program, discretisation.natural)
     kind = COUPLINGS[coupling]
     program = kind.program_of(stated).associated()  # what is carried asks for no flow
-    rows, scale = program.contact, discretisation.natural.load_factor
+    rows = program.contact
     laws = kind.laws_of(rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
     prepare = prepared_by(backend, options)
     found = carrying(program, laws, prepare, tolerance)
+    standing, point, why = _proven(discretisation, found, tolerance)
+    if standing is Standing.STANDS:
+        known = [0.0, *known]
+    elif standing is Standing.FALLS:
+        known += _carried_ends(discretisation, program, laws, prepare, tolerance)
+    standing, findings = judge(standing, (why,) if why else ())
+    low, high = min(known, default=np.nan), max(known, default=np.nan)
+    return Stability(
+        standing=standing,
+        low=low,
+        high=high,
+        side=_side(low, high, load_factor),
+        point=point,
+        residual=np.nan if standing is Standing.UNDECIDED else found.residual,
+        findings=findings,
+    )
+
+
+def _proven(
+    discretisation: Discretisation, found: Carrying, tolerance: float
+) -> tuple[Standing, ProgramState | None, Finding | None]:
+    """Return what is proven of the discrete problem, its state in SI units, and what to report."""
     if found.carried is not None:
         point = point_in_si(discretisation, found.carried)
         if (excess := span_excess(discretisation, point)) > tolerance:
             inside = Finding(Kind.MOMENTS_INSIDE, values={"excess": excess})
-            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, inside)
+            return Standing.UNDECIDED, None, inside
         why = Finding(Kind.STANDS_ON_MESH) if discretisation.continua else None
-        own = [0.0, *known]
-        return _stability(Standing.STANDS, own, load_factor, point, found.residual, why)
+        return Standing.STANDS, point, why
     if found.falling is None:
-        return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan)
+        return Standing.UNDECIDED, None, None
     point = point_in_si(discretisation, found.falling)
-    point = replace(point, velocity=point.velocity / scale)
+    point = replace(point, velocity=point.velocity / discretisation.natural.load_factor)
     if corners := driven_corners(discretisation, point.velocity, tolerance):
-        return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
-    known += _carried_ends(discretisation, program, laws, prepare, tolerance)
-    why = cells.fall_of_cells(discretisation.problem, Status.UNSAFE)
-    return _stability(Standing.FALLS, known, load_factor, point, found.residual, why)
+        return Standing.UNDECIDED, None, corners
+    return Standing.FALLS, point, cells.fall_of_cells(discretisation.problem, Status.UNSAFE)
 
 
-def _stability(
-    standing: Standing,
-    carried: list[float],
-    load_factor: float,
-    point: ProgramState | None,
-    residual: float,
-    why: Finding | None = None,
-) -> Stability:
-    low, high = min(carried, default=np.nan), max(carried, default=np.nan)
-    side = ""
-    if np.isfinite(load_factor):
-        slack = _SAME * max(abs(value) for value in (low, high, load_factor) if np.isfinite(value))
-        below, above = low < load_factor - slack, high > load_factor + slack
-        side = {(1, 0): "below", (0, 1): "above", (1, 1): "both"}.get((below, above), "")
-    return Stability(standing, low, high, side, point, residual, (why,) if why else ())
+def _side(low: float, high: float, load_factor: float) -> str:
+    """Return on which side of a load factor others are carried."""
+    if not np.isfinite(load_factor):
+        return ""
+    slack = _SAME * max(abs(value) for value in (low, high, load_factor) if np.isfinite(value))
+    below, above = low < load_factor - slack, high > load_factor + slack
+    return {(1, 0): "below", (0, 1): "above", (1, 1): "both"}.get((below, above), "")
 
 
 def _carried_ends(

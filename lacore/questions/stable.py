@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from lacore.bounds.upper import upper_bound
 from lacore.errors import CapabilityError, InputError, require_positive, typed
 from lacore.limit import cells
 from lacore.limit.outcome import strict_bound
-from lacore.limit.stability import Stability, stability_of
+from lacore.limit.stability import Stability, Verdict, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.reporting.findings import Finding, Message, Severity
@@ -117,14 +117,18 @@ def stable(
     discretisation = discretise(problem)
     build_time, clock = time.perf_counter() - begin, SolveClock()
     given = backend, options or {}, "associated", tolerance, np.nan
-    found = stability_of(discretisation, *given)
-    falls = found.standing is Standing.FALLS and cells.from_below(problem)
-    stands = found.standing is Standing.STANDS and cells.from_above(problem)
-    if falls or stands:
-        other = cells.on_side(problem, "above" if falls else "below")
-        same = stability_of(discretise(other), *given).standing is found.standing
-        found = replace(found, findings=()) if same else _undecided(found, found.findings)
-    found = _of_the_continuum(problem, discretisation, found, backend, options or {})
+
+    def judged(standing: Standing, findings: tuple[Finding, ...]) -> Verdict:
+        falls = standing is Standing.FALLS and cells.from_below(problem)
+        stands = standing is Standing.STANDS and cells.from_above(problem)
+        if falls or stands:
+            other = cells.on_side(problem, "above" if falls else "below")
+            same = stability_of(discretise(other), *given).standing is standing
+            standing, findings = (standing, ()) if same else (Standing.UNDECIDED, findings)
+        why = _not_of_the_continuum(problem, discretisation, standing, backend, options or {})
+        return (standing, findings) if why is None else (Standing.UNDECIDED, (why,))
+
+    found = stability_of(discretisation, *given, judged)
     status = _STATUS[found.standing]
     state = LimitState(
         status=status,
@@ -153,27 +157,27 @@ def stable(
     return Stable(answer[found.standing], found, state)
 
 
-def _of_the_continuum(
+def _not_of_the_continuum(
     problem: Problem,
     discretisation: Discretisation,
-    found: Stability,
+    standing: Standing,
     backend: str,
     options: Mapping[str, Any],
-) -> Stability:
-    """What is proven of deformable bodies, where velocities of one mesh alone prove less.
+) -> Finding | None:
+    """Return why it is not proven of deformable bodies, as one mesh may prove less; else None.
 
     Equilibrium with these is none in each element, and flow in some spaces dissipates more than
     their points say. All dead loads together are carried from zero up to their load factor.
     """
-    sure = found.standing is Standing.FALLS and strict_bound(discretisation)
-    if not discretisation.continua or found.standing is Standing.UNDECIDED or sure:
-        return found
+    sure = standing is Standing.FALLS and strict_bound(discretisation)
+    if not discretisation.continua or standing is Standing.UNDECIDED or sure:
+        return None
     if find_backend(backend).capabilities.regularised:
         backend, options = JUDGE, {}
     why: Message | str
     try:
         alone = associated(with_associated_flow(problem.with_loads(problem.dead_loads, [])))
-        if found.standing is Standing.STANDS:
+        if standing is Standing.STANDS:
             below = lower_bound(alone, backend, options=options)
             carried = below.rigor is Rigor.LOWER and below.load_factor >= 1
             proven, why = carried or below.status is Status.LOCKED, below.report
@@ -184,13 +188,9 @@ def _of_the_continuum(
     except (InputError, CapabilityError) as refused:
         proven, why = False, refused.text
     if proven:
-        return found
-    values = {"standing": found.standing.label, "why": why}
-    return _undecided(found, (Finding(Kind.CONTINUUM_NOT_PROVEN, values=values),))
-
-
-def _undecided(found: Stability, findings: tuple[Finding, ...]) -> Stability:
-    return replace(found, standing=Standing.UNDECIDED, residual=np.nan, findings=findings)
+        return None
+    values = {"standing": standing.label, "why": why}
+    return Finding(Kind.CONTINUUM_NOT_PROVEN, values=values)
 
 
 @typed()
