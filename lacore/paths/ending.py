@@ -9,6 +9,11 @@ class Ending(Enum):
     """Each text says what to do."""
 
     REACHED = "the travel asked for is reached"
+    DRIFTED = (
+        "the travel is reached, but the shape may have drifted, because the velocity became one of"
+        " many before this was detected, or no regular one was found: see the events, and select"
+        " the velocity from the first step on"
+    )
     STEADY = "load and flow have become stationary"
     INVERSION = (
         "the next step would turn an element inside out: start from elements that are drawn out"

@@ -96,7 +96,8 @@ def sequential(
             two interfaces share splits its reaction between them has no meaning.
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
             same load, at the cost of one or two more solves each time. By default hardening
-            decides alone; an event ``velocity not unique`` says where that is not enough (T32).
+            decides alone, until an event ``velocity not unique`` reports that this is not enough
+            (T32): from this step on, `LeastNorm` with its default decides.
         backend, coupling, tolerance, options: of each solve, see `lacore.solve`. Of soils whose
             flow is not associated each load is certified, and one of several, maybe: look for the
             others by `lacore.soil_range(path.problem(step))`, where nothing touches obstacles.
@@ -202,6 +203,7 @@ def sequential(
                 stage, control = again(walk.stage, control, made)
                 walk = Walk(stage, control.gauge(stage.problem), settings, selection)
                 log.enter(stage, walk.gauge, made)
+        walk.selection = drift.selection_after(log.events, selection)
         call = Caller(given_hooks, log, settings, here)
         walk.solving = call.solving
         try:
@@ -236,7 +238,7 @@ def sequential(
             if stop.ending is Ending.INVERSION:
                 log.inversion(here, stop)
             return call.end(log.path(stop.ending, stop.findings, settings))
-    return call.end(log.path(Ending.REACHED, (), settings))
+    return call.end(log.path(drift.ending(log.events), (), settings))
 
 
 def _steady(log: Log, until: Steady, settings: Mapping[str, Any]) -> Path | None:
@@ -257,30 +259,36 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     walk.solves, walk.pressed, walk.before = 0, None, here.velocity
     walk.require_safe(here, distance)
     stride, there, jacobian, fold = whole_or_to_fold(walk, scheme, here, distance, pace)
+    if _begins_to_drift(walk, stride, there, there.travel - here.travel, log):
+        walk.selection = LeastNorm()
+        return _step(walk, scheme, here, distance, pace, log)
     distance = there.travel - here.travel
     pace.learn(distance, stride.error)
     volume = _volume(walk.stage, there)
     _require_apart(walk.stage, there)
-    _look(walk, stride, distance, there, log)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
     if fold is not None:
         log.event(FOLDED, there.step, here.travel + fold.share * distance, text("{}", fold.finding))
     return there
 
 
-def _look(walk: Walk, stride: Stride, distance: float, there: Here, log: Log) -> None:
-    """An event where bodies begin to drift, once per path, or a velocity cannot be selected."""
+def _begins_to_drift(walk: Walk, stride: Stride, there: Here, distance: float, log: Log) -> bool:
+    """Whether bodies begin to drift; an event once per path, or where no velocity is selected."""
     selects, kinds = walk.selection is not None, {event.kind for event in log.events}
     if selects and stride.flow.selected is None:
         what = "the solver finds no admissible one: the velocity as solved is taken"
         log.event(drift.LOST, there.step, there.travel, what)
-        return
+        return False
     if {drift.DRIFTS, drift.SELECTED} & kinds:
-        return
+        return False
     looked = selects or drift.due(log.rows, stride.error, distance)
     if looked and (said := drift.described(stride.flow)):
         kind = drift.SELECTED if selects else drift.DRIFTS
         log.event(kind, there.step, there.travel, said)
+        if not selects and (late := drift.too_late(log.last)):
+            log.event(drift.LATE, there.step, there.travel, late)
+        return not selects
+    return False
 
 
 def _remeshed(

@@ -8,7 +8,7 @@ Where flow is not associated no bound theorem holds, and certified states take t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -19,17 +19,16 @@ import pandas as pd
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.regions.lending import largest_strength
-from lacore.bounds.enclosing import has_coulomb, named_criterion
+from lacore.bounds.enclosing import has_coulomb
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError, require_positive, typed
 from lacore.inner.preparing import require_exact
+from lacore.limit.outcome import strict_bound
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
-from lacore.materials.criterion import Criterion
-from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
+from lacore.ranges.weakened import require_weakening, weakened_problem
 from lacore.reporting import terms
 from lacore.reporting.findings import Finding, texts
 from lacore.reporting.text import Term, text
@@ -186,12 +185,12 @@ def safety_factor(
         )
         raise InputError("Problem.bodies", list(problem.bodies), why, fix)
     for name, body in bodies.items():
-        _check(name, body)
+        require_weakening(name, body)
     require_exact(backend, "a factor of safety")
     frictional = any(own.form.frictional for body in bodies.values() for own in body.regions)
     if has_coulomb(problem) or frictional:
         return _of_states(problem, interfaces, tolerance, backend)
-    weakened = partial(_weakened, _together(problem), interfaces=interfaces)
+    weakened = partial(weakened_problem, _together(problem), interfaces=interfaces)
     rows: list[dict[str, object]] = []
     seen: dict[float, tuple[Finding, ...]] = {}
 
@@ -204,6 +203,8 @@ def safety_factor(
         bound = upper_bound(weaker, backend)
         seen[factor] = bound.findings if bound.status is Status.SOLVED else ()
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
+        if bound.status is Status.FREE and strict_bound(bound.discretisation):
+            return 0.0  # it moves without dissipation: associated friction that is overcome
         return inf if bound.status is Status.LOCKED else value
 
     lower = _end("lower", True, weakened, below, 1.0, tolerance, rows)
@@ -235,7 +236,7 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
             states[factor] = state
         return 0.0 if state.status is Status.FREE else state.load_factor
 
-    weakened = partial(_weakened, problem, interfaces=interfaces)
+    weakened = partial(weakened_problem, problem, interfaces=interfaces)
     lower = _end("state", True, weakened, certified, 1.0, tolerance, rows)
     history = pd.DataFrame(rows).drop(columns="proves")
     upper = float(min(history["factor"][history["load_factor"] < 1], default=nan))
@@ -353,48 +354,3 @@ def _next(
     share = stands[1] / (stands[1] - falls[1])
     inside = float(np.clip(share, _INSIDE, 1 - _INSIDE))
     return low + inside * (high - low)
-
-
-def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem | None:
-    """The problem with strengths divided by a factor; None where no criterion has such ones."""
-    weaker = {}
-    for name, body in of_kind(problem.bodies, Body).items():
-        try:
-            weaker[name] = replace(body, criterion=_divided_criterion(body.criterion, factor))
-        except InputError:  # an angle beside those that are taken
-            return None
-    pairs = problem.interfaces
-    if interfaces:
-        pairs = tuple(replace(pair, friction=pair.law.divided(factor)) for pair in pairs)
-    return replace(problem, bodies={**problem.bodies, **weaker}, interfaces=pairs)
-
-
-def _divided_criterion(
-    criterion: Criterion | Mapping[str, Criterion], factor: float
-) -> Criterion | Mapping[str, Criterion]:
-    if isinstance(criterion, Mapping):
-        return {name: _weaker(own, factor) for name, own in criterion.items()}
-    return _weaker(criterion, factor)
-
-
-def _weaker(criterion: Criterion, factor: float) -> Criterion:
-    assert isinstance(criterion, Weakening)
-    return criterion.weakened(factor)
-
-
-def _check(name: str, body: Body) -> None:
-    for region in body.regions:
-        if not isinstance(region.criterion, Weakening):
-            raise InputError(
-                named_criterion(name, region),
-                type(region.criterion).__name__,
-                "does not say how it is when its strength is divided",
-                "give lacore's criteria, or one with a method `weakened(factor)`",
-            )
-    if not largest_strength(body) > 0:
-        raise InputError(
-            f"Problem.bodies[{name!r}].criterion",
-            body.label,
-            "without cohesion all loads together have no size: the load factor is 0 or endless",
-            "give it a small cohesion; that of an infinite slope of sand is tan(phi)/tan(slope)",
-        )

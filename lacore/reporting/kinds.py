@@ -192,8 +192,8 @@ class Kind(Enum):
     REMESHING_FAILED = "remesh fails: {error}"
     HOOK_FAILED = "hook {hook!r} ({when}) raised {error} ({place})"
     VELOCITY_NOT_UNIQUE = (
-        "from step {step} on the velocity is one of many, and the loads may drift: see the events,"
-        " and take selection=lacore.LeastNorm()"
+        "at step {step} the velocity became one of many: from this step on the most regular one"
+        " was selected, as by selection=lacore.LeastNorm()"
     )
     LOAD_DRIFTS = (
         "the load drifts by {drift:.2g} of its mean over the last {window:.4g} of the"
@@ -271,8 +271,8 @@ FILES: Mapping[Kind, str] = {
         ' (geometry = "approximated"), not of the body'
     ),
     Kind.VELOCITY_NOT_UNIQUE: (
-        "from step {step} on the velocity is one of many, and the loads may drift: see the events,"
-        " and add a table [path.selection]"
+        "at step {step} the velocity became one of many: from this step on the most regular one"
+        " was selected, as by a table [path.selection]"
     ),
     Kind.LEAST_CASE: (
         "{where!r} has the least load factor; that it governs is not proven against {cases}: use"

@@ -132,6 +132,22 @@ def test_interfaces_are_weakened_where_asked():
     assert not la.safety_factor(problem).lower < 25  # its own strength alone
 
 
+def test_associated_friction_that_is_overcome_collapses():
+    """F = mu W/H: below it the block is locked, above it slides up its cone without dissipation."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=1, ny=1)
+    floor = la.Interface(("block", "bottom"), la.RigidObstacle(), la.Coulomb(0.5, associated=True))
+    problem = la.Problem(
+        {"block": la.Body(mesh, la.VonMises(100.0))},
+        [la.BodyForce("block", (0.5, 0))],
+        interfaces=[floor],
+        dead_loads=[la.BodyForce("block", (0, -2))],
+    )
+    found = la.safety_factor(problem, interfaces=True, tolerance=0.05)
+    assert found.lower <= 2.0 <= found.upper
+    assert found.width < 0.11  # both ends to the tolerance, in logarithms
+    assert found.proven
+
+
 @pytest.mark.parametrize("dilation", [0.0, 10.0])
 def test_a_uniform_state_has_one_factor_whatever_the_dilation(dilation):
     """Pressed by p, ``2 c/F tan(45 + phi_F/2) = p`` with ``tan(phi_F) = tan(phi)/F``."""
