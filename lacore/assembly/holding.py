@@ -6,16 +6,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, hstack
 
-from lacore.arrays import Bools, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.assembly.bonds import Ties, rigid_basis, supports_of
 from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.held import footing_of, support_of
+from lacore.bodies.continuum.boundaries import outward_normals
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.holding import solid_free_basis
-from lacore.conditions.elimination import free_basis, held, join
+from lacore.conditions.elimination import NodeConditions, free_basis, held, join
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Fix
+from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
+
+_STRAIGHT = 1 - 1e-9  # cosine between normals of edges on one line
+_CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
 
 _ADMISSIBLE = 1e-9  # of a motion: what supports may leave of it by round-off
 
@@ -89,12 +97,12 @@ def _in_plane(
     bodies, node_dofs = unknowns.continua, unknowns.node_dofs
     asked = [
         *(
-            support_of(support, bodies[support.body], slipping.get(support.body))
+            _support_of(support, bodies[support.body], slipping.get(support.body))
             for support in supports_of(problem)
             if support.body in bodies
         ),
         *(
-            footing_of(footing, bodies[footing.body], slipping.get(footing.body), number)
+            _footing_of(footing, bodies[footing.body], slipping.get(footing.body), number)
             for number, footing in enumerate(unknowns.footings)
         ),
         *(slip.conditions(bodies[name]) for name, slip in slipping.items()),
@@ -111,3 +119,47 @@ def _in_plane(
     conditions = join([conditions, *(held(tied.following, axis) for axis in tied.both_axes)])
     deforming = free_basis(conditions, node_dofs, [own.name for own in unknowns.footings])
     return tied.spread(deforming, node_dofs), nodes
+
+
+def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
+    """Nodes on facets, a each, and the outward normal there: (a n,), (a n, 2)."""
+    nodes = dofs.facet_nodes(facets)
+    shares = np.linspace(0.0, 1.0, len(nodes))
+    outward = [outward_normals(dofs.body, facets, s).T for s in shares]
+    return nodes.ravel() + dofs.first_node, np.concatenate(outward)
+
+
+def _support_of(support: Fix, dofs: BodyDofs, slip: Slip | None) -> NodeConditions:
+    """What a support asks of the nodes of a body, where that does not slip past it."""
+    facets = facets_of(support, dofs.body)
+    if support.components in ("normal", "tangential"):
+        _require_straight(support, dofs, facets)
+    if slip is not None:
+        facets = np.setdiff1d(facets, slip.of(-1))
+    return support_conditions(support, *_boundary_nodes(dofs, facets))
+
+
+def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
+    """Refuse polygons in place of arcs: two normals at each vertex would pin it."""
+    start, *_, end = dofs.facet_nodes(facets)
+    outward = [outward_normals(dofs.body, facets, s).T for s in (0.0, 1.0)]
+    nodes, normals = np.concatenate([start, end]), np.concatenate(outward)
+    order = np.argsort(nodes, kind="stable")
+    same = nodes[order][1:] == nodes[order][:-1]
+    cosine = np.sum(normals[order][1:] * normals[order][:-1], axis=1)[same]
+    if np.any((cosine < _STRAIGHT) & (cosine > _CORNER)):
+        raise InputError(
+            "Fix.components",
+            support.components,
+            "its boundary turns by small angles, like a polygon in place of an arc: with two"
+            " normals at a vertex, no velocity would be left there",
+            "fix straight parts one by one, or the components x and y",
+        )
+
+
+def _footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int) -> NodeConditions:
+    """What the footing with a number asks of the nodes of a body, where that does not slip."""
+    facets = facets_of(footing, dofs.body)
+    if slip is not None:
+        facets = np.setdiff1d(facets, slip.of(number))
+    return footing_conditions(footing, *_boundary_nodes(dofs, facets), number)

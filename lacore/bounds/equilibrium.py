@@ -12,6 +12,7 @@ times A. In space areas A and volumes V take their place, with ``4/(3 V)`` and t
 """
 
 from dataclasses import dataclass
+from functools import singledispatch
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -19,13 +20,16 @@ from skfem import Mesh
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import facet_geometry
+from lacore.bodies.continuum.body_forces import force_field
+from lacore.bodies.continuum.boundaries import facet_geometry, outward_normals
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.regions.varying import Varying
 from lacore.bodies.continuum.solid.faces import face_geometry
-from lacore.bounds.static_loads import multiplied
+from lacore.bodies.continuum.water import in_pores, on_facets
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.footings import Footing
-from lacore.conditions.loads import Load
+from lacore.conditions.loads import Load, Pressure, Traction
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
@@ -155,7 +159,7 @@ class EquilibriumDofs(Compact):
 
     def force(self, load: Load) -> Floats:
         """Forces of a load on the multipliers, shape (count,), N/m."""
-        return multiplied(load, self)
+        return _multiplied(load, self)
 
     def area(self, footing: Footing) -> float:
         """Length of what a footing touches, m: m^2 per unit thickness; in space area, m^2."""
@@ -192,3 +196,52 @@ def _in_space(mesh: Mesh) -> tuple[Floats, Floats]:
     inward = mesh.p[:, mesh.t[_OPPOSITE[3]]] - a
     height = np.sum(across * inward, axis=0)  # three times the volume, signed
     return np.abs(height[0]) / 3, -across * np.sign(height)
+
+
+@singledispatch
+def _multiplied(load: Load, dofs: "EquilibriumDofs") -> Floats:
+    """Forces of a load, shape (count,), N/m; point forces are refused before."""
+    raise TypeError(f"no forces on multipliers: {type(load).__name__}")
+
+
+@_multiplied.register(Traction)
+@_multiplied.register(Pressure)
+def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
+    facets, d = facets_of(load, dofs.body), dofs.body.dimension
+    share = dofs.lengths(facets) / d * load.on(outward_normals(dofs.body, facets, 0.5))
+    return _at(dofs, dofs.facet_nodes(facets).ravel(), np.tile(share, d))
+
+
+@_multiplied.register(BodyForce)
+def _of_volume(load: BodyForce, dofs: "EquilibriumDofs") -> Floats:
+    own = force_field(load, dofs.body, "BodyForce")
+    return _at(dofs, dofs.element_nodes[own.elements], dofs.areas[own.elements] * own.mean)
+
+
+@_multiplied.register(StandingWater)
+def _standing(load: StandingWater, dofs: "EquilibriumDofs") -> Floats:
+    facets = facets_of(load, dofs.body)
+    return _pushed(dofs, facets, -on_facets(load, dofs.body, facets, "StandingWater"))
+
+
+@_multiplied.register(PorePressure)
+def _of_pores(load: PorePressure, dofs: "EquilibriumDofs") -> Floats:
+    # The power of -u I on the vertex strains: of the multipliers of facets inside nothing is left.
+    u, outline = in_pores(load, dofs.body, "PorePressure"), dofs.body.mesh.boundary_facets()
+    return _at(dofs, dofs.element_nodes, -dofs.rises(u)) + _pushed(dofs, outline, u)
+
+
+def _pushed(dofs: "EquilibriumDofs", facets: Ints, pressure: Floats) -> Floats:
+    """Pressures at vertices, linear along facets, with the outward normal."""
+    start, end, outward = facet_geometry(dofs.body, facets)
+    ends = dofs.body.mesh.facets[:, facets]
+    half = np.linalg.norm(end - start, axis=0) / 2
+    force = np.concatenate([half * pressure[own] * outward for own in ends], axis=1)
+    return _at(dofs, dofs.facet_nodes(facets).ravel(), force)
+
+
+def _at(dofs: "EquilibriumDofs", nodes: Ints, force: Floats) -> Floats:
+    """Forces (d, k) at nodes (k,), which may be there twice."""
+    total = np.zeros((dofs.n_nodes, dofs.body.dimension))
+    np.add.at(total, nodes - dofs.first_node, force.T)
+    return total.ravel()

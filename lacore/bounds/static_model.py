@@ -31,8 +31,7 @@ from lacore.bounds.enclosing import (
 )
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.quadratic.bulging import Bulging, lifted, weakened
-from lacore.bounds.solid.static_contact import face_tractions
-from lacore.bounds.solid.static_holding import static_free_basis
+from lacore.bounds.solid.static_contact import face_tractions, static_free_basis
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners

@@ -8,12 +8,15 @@ import numpy as np
 from skfem import Mesh
 
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.regions.following import moving_along
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.spaces import VelocitySpace, isoparametric
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import Load
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError
+from lacore.materials.criterion import Criterion
+from lacore.materials.fields import Field, varying, with_fields
 from lacore.reporting import terms
 from lacore.reporting.text import Term, text
 
@@ -99,7 +102,7 @@ def curved_body(name: str, body: object) -> Body:
                 "let it be None",
             )
     space = isoparametric(body.mesh, body.space)
-    return moving_along(replace(body, mesh=_quadratic(body.mesh, space), space=space.name))
+    return _moving_along(replace(body, mesh=_quadratic(body.mesh, space), space=space.name))
 
 
 def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
@@ -111,3 +114,31 @@ def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
     curved = curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
     regions = {n: np.asarray(own) for n, own in (mesh.subdomains or {}).items()}
     return curved.with_subdomains(regions) if regions else curved
+
+
+def _moving_along(body: Body) -> Body:
+    """A body whose functions of place are values at strain points, where it is now."""
+    if not any(
+        callable(own.values)
+        for region in body.regions
+        for own in varying(region.criterion).values()
+    ):
+        return body
+    places = np.asarray(BodyDofs.at(body, 0).basis.global_coordinates())  # (2, elements, q)
+
+    def kept(region: Region) -> Criterion:
+        def listed(own: Field) -> Field:
+            if not callable(own.values):
+                return own
+            values = np.zeros(places.shape[1:])
+            inside = places[:, region.elements]
+            found = own.at(inside.reshape(2, -1), "Body.criterion")
+            values[region.elements] = found.reshape(inside.shape[1:])
+            return replace(own, values=values, steepest=None)
+
+        changed: Criterion = with_fields(region.criterion, listed)
+        return changed
+
+    if not body.regions[0].name:
+        return replace(body, criterion=kept(body.regions[0]))
+    return replace(body, criterion={region.name: kept(region) for region in body.regions})

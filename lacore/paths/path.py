@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
 from lacore import views
@@ -16,7 +17,6 @@ from lacore.arrays import Floats
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.paths.configuration import Configuration
-from lacore.paths.contact.block_forces import block_forces
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
@@ -237,7 +237,7 @@ class Path(Reported, Shown):
         Raises:
             InputError: see `state`.
         """
-        return block_forces(self.state(step))
+        return _block_forces(self.state(step))
 
     def steady(self, criterion: Steady | None = None) -> SteadyState:
         """Judge whether load and flow have become stationary, by default as `Steady()` does."""
@@ -270,3 +270,22 @@ class Path(Reported, Shown):
     def animate(self, file: str | PathLike[str], fps: float = 8.0, dpi: float = 90.0) -> None:
         """A GIF or MP4: see `lacore.pictures.animation.animate_path`."""
         views.animation(self, file, fps, dpi)
+
+
+def _block_forces(state: LimitState) -> pd.DataFrame:
+    """Resultants of contact on each rigid block, one row a block.
+
+    Columns ``body``, ``f_x`` and ``f_y`` [N/m], and ``moment`` [N], anticlockwise: about the
+    centroid, of a `Tool` about its reference point.
+    """
+    d, point, rows = state.discretisation, state.point, []
+    assert point is not None
+    contact = d.full.contact
+    across = contact.weights * point.normal_reaction
+    along = contact.weights[:, None] * point.tangential_reaction
+    force = contact.normal.T @ across + contact.tangential.T @ along.ravel()
+    for name, dofs in d.assemblies.items():
+        f_x, f_y, turning = np.asarray(force)[dofs.offset : dofs.offset + dofs.count]
+        moment = turning * dofs.body.radius[0]
+        rows.append({"body": name, "f_x": f_x, "f_y": f_y, "moment": moment})
+    return pd.DataFrame(rows, columns=["body", "f_x", "f_y", "moment"])

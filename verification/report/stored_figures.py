@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from skfem import MeshTet, MeshTri
 
+import lacore as la
 from lacore import views
 from lacore.adaptive.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
@@ -11,7 +12,6 @@ from lacore.pictures.thumbnails.bracket import thumbnail_of_shares
 from lacore.pictures.thumbnails.path import thumbnail_of_shape
 from lacore.status import Rigor
 from verification.case import Case, Variant
-from verification.case.sketches import sketch_of, sketched
 from verification.evidence.bracket import Shares, unpacked_shares
 from verification.evidence.limit_state import restored
 from verification.evidence.path import last_shape
@@ -77,3 +77,17 @@ def _mesh_of(shares: Shares) -> MeshTri | MeshTet:
     """Make the mesh of stored shares."""
     made = {2: MeshTri, 3: MeshTet}[len(shares.points)]
     return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
+
+
+def sketched(case: Case, variant: Variant) -> la.Problem:
+    """Build the problem of a variant on its second mesh level, where curves look like curves."""
+    level = (*case.meshes, *case.meshes)[1]
+    return case.problem(variant, level)
+
+
+def sketch_of(case: Case, problem: la.Problem) -> Figure:
+    """Sketch a problem of a case."""
+    figure = problem.plot()
+    if case.sketch is not None:
+        case.sketch(figure.axes[0], problem)
+    return figure

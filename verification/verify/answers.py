@@ -13,13 +13,12 @@ from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
 from verification.verdicts.words import SKIPPED
-from verification.verify.bracket import bracket, gap
+from verification.verify.bracket import bracket, gap, ranged
 from verification.verify.finding import Answer, Finding
 from verification.verify.limit_state import lambda_below_exact, upper_from_above, value
 from verification.verify.order import order
 from verification.verify.path import path, steps
 from verification.verify.questions import Question
-from verification.verify.ranging import ranged
 from verification.verify.residuals import Rechecked, residuals
 
 SOLVED = la.Status.SOLVED.label

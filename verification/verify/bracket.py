@@ -1,4 +1,4 @@
-"""Checks of brackets: that they contain the reference, and that their gaps add up (T26)."""
+"""Checks of brackets (T26) and of ranges (T54, T59): what they contain, and what gaps add up to."""
 
 from collections.abc import Sequence
 from math import inf, isclose, isfinite, nan
@@ -9,6 +9,7 @@ from verification.case.band import Bracketing
 from verification.evidence.bracket import Shares, unpacked_shares
 from verification.runs.outcome import Outcome
 from verification.verdicts.bracket import judge_bracket
+from verification.verdicts.ranging import judge_range
 from verification.verdicts.words import FAIL, PASS, SKIPPED
 from verification.verify.finding import Answer
 
@@ -90,3 +91,24 @@ def _defect(one: Shares) -> float:
 
 def _none_negative(one: Shares) -> bool:
     return one.shares.size > 0 and one.least >= -NEGATIVE * one.scale
+
+
+def ranged(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+    """Whether what was found is right; measured is the width, ``(highest - lowest)/mean``.
+
+    NaN around zero. Judged afresh: the row of a store may be older than the reference.
+
+    Args:
+        outcomes: one.
+        reference: of each load factor.
+    """
+    (outcome,) = outcomes
+    run, row = outcome.run, outcome.row
+    verdict, why = row.verdict, row.why
+    if row.n_elements == row.n_elements:
+        verdict, why = judge_range(
+            row, reference, run.case.band_of(run.variant, int(row.n_elements))
+        )
+    middle = (row.highest + row.lowest) / 2
+    width = (row.highest - row.lowest) / middle if middle else nan
+    return Answer(verdict, f"{run.label}: {why}", width)

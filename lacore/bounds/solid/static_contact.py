@@ -1,12 +1,18 @@
-"""Tractions on faces of equilibrium tetrahedra that touch obstacles (T93)."""
+"""Tractions and conditions on faces of equilibrium tetrahedra: contact (T93), supports (T91)."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.sparse import block_diag, csr_matrix, eye_array, hstack, vstack
 
+from lacore.arrays import Ints, Sparse
 from lacore.bodies.continuum.solid.faces import face_geometry
+from lacore.bodies.continuum.solid.held_nodes import flowing_between_nodes
+from lacore.bodies.continuum.solid.holding import face_conditions, moved_along, speed_names
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import selected
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Fix
 from lacore.contact.faces import Faces
 from lacore.contact.interfaces import Interface
 from lacore.contact.laws import laws_of
@@ -45,3 +51,39 @@ def _station(
         laws=laws_of(interface, dofs.strength, nodes.size),
         axes=selected(nodes, n, 3),
     )
+
+
+def static_free_basis(
+    bodies: Mapping[str, EquilibriumDofs],
+    supports: Sequence[Fix],
+    footings: Sequence[Footing],
+) -> Sparse:
+    """All multipliers and speeds of footings from the free ones, shape (n, free), speeds last.
+
+    A multiplier of tractions that are linear on a face follows what moves it by the weights of
+    these: at corner a of a face ``(V_a + sum V)/4`` of the velocities V at its corners (T91).
+
+    Raises:
+        InputError: a footing that its supports, or another footing, keep from moving.
+    """
+    free, driven = [], []
+    names = speed_names(footings)
+    for name, dofs in bodies.items():
+        asked = face_conditions(dofs.body, supports, footings, name)
+        nodes = dofs.facet_nodes(asked.nodes) - dofs.first_node
+        corner = face_corners(dofs.body.mesh, asked.nodes)
+        # Of what is linear over a face the same weights give the motion at each of its corners.
+        own = [
+            moved_along(asked.directions, asked.footing, corner[:, end], footings)
+            for end in range(3)
+        ]
+        wanted = np.concatenate([(one + sum(own)) / 4 for one in own])
+        directions = np.tile(asked.directions, (3, 1))
+        node_dofs: Ints = np.arange(dofs.count).reshape(-1, 3).T
+        parts = flowing_between_nodes(nodes.ravel(), directions, wanted, node_dofs, names)
+        free.append(parts[0])
+        driven.append(parts[1])
+    first = hstack([block_diag(free, format="csr"), vstack(driven)], format="csr")
+    count = len(names)
+    speeds = hstack([csr_matrix((count, first.shape[1] - count)), eye_array(count, format="csr")])
+    return csr_matrix(vstack([first, speeds], format="csr"))

@@ -2,20 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import singledispatch
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+import tomlkit
+from tomlkit.items import Item
 
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.errors import InputError, typed
 from lacore.files.problem import statements
-from lacore.files.problem.recipes import recipe
-from lacore.files.problem.statements import Table
+from lacore.files.problem.calls import Call, made, origin
+from lacore.files.problem.script import way
+from lacore.files.problem.statements import Table, plain
 from lacore.meshes.archive import save
 from lacore.problem.problem import Problem
+
+_SHAPES: Mapping[str, str] = {
+    "la.meshes.rectangle": "rectangle",
+    "la.meshes.quadrilaterals": "quadrilaterals",
+    "la.meshes.fan": "fan",
+    "la.meshes.quarter_ring": "quarter-ring",
+    "la.meshes.patches": "patches",
+    "la.meshes.layered": "layered",
+}
+_FILES = ("la.meshes.read", "la.meshes.load")
+
+_WIDTH = 90
 
 
 @typed()
@@ -40,8 +58,6 @@ def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") 
         >>> round(la.solve(la.read_problem("column.toml")).load_factor, 3)
         0.3
     """
-    from lacore.files.problem.layout import toml  # here: tomlkit is for writing alone
-
     place = Path(fspath(path))
     if place.suffix.lower() != ".toml":
         raise InputError("path", str(place), "not the name of a TOML file", "use the ending .toml")
@@ -95,7 +111,7 @@ def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
     if body.dimension == 3:
         why, fix = "problem files describe plane problems only", "keep this problem in Python"
         raise InputError(f"{field}.kinematics", body.kinematics, why, fix)
-    mesh = recipe(body.mesh, file.parent)
+    mesh = _recipe(body.mesh, file.parent)
     if mesh is None:
         meshes[file] = body.mesh
         mesh = {"mesh": {"file": file.name}}
@@ -107,3 +123,105 @@ def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
         **mesh,
         "material": statements.criteria(body.criterion, f"{field}.criterion"),
     }
+
+
+def toml(document: Mapping[str, Any]) -> str:
+    """A document of tables, lists, texts and numbers as TOML."""
+    made = tomlkit.document()
+    for name, own in document.items():
+        made.add(name, _item(own))
+    return tomlkit.dumps(made)
+
+
+def _item(value: Any) -> Item:
+    if isinstance(value, Mapping):
+        return _table(value)
+    if isinstance(value, list) and value and all(isinstance(own, Mapping) for own in value):
+        tables = tomlkit.aot()
+        for own in value:
+            tables.append(_table(own))
+        return tables
+    found: Item = _inline(value)
+    return found
+
+
+def _table(value: Mapping[str, Any]) -> Item:
+    """What is short first: a key after a sub-table would belong to that."""
+    table, after = tomlkit.table(), {}
+    for name, own in value.items():
+        line = _inline(own)
+        if isinstance(own, Mapping) and len(f"{name} = {line.as_string()}") > _WIDTH:
+            after[name] = own
+        else:
+            table.add(name, line)
+    for name, own in after.items():
+        table.add(name, _table(own))
+    return table
+
+
+def _inline(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        table = tomlkit.inline_table()
+        for name, own in value.items():
+            table.append(name, _inline(own))
+        return table
+    if isinstance(value, list):
+        array = tomlkit.array()
+        for own in value:
+            array.append(_inline(own))
+        return array
+    return tomlkit.item(value)
+
+
+def _recipe(mesh: Any, folder: Path) -> Table | None:
+    """``mesh``, ``boundaries``, ``regions`` of a mesh that came of a problem file as it is now.
+
+    None of others: what was changed since is not what the file said.
+    """
+    call = origin(mesh)
+    if call is None or not _same(made(call), mesh):
+        return None
+    table: Table = {}
+    if call.maker == "la.meshes.named":
+        for what in ("boundaries", "regions"):
+            own = call.arguments.get(what, {})
+            table |= {what: {name: _place(where) for name, where in own.items()}} if own else {}
+        call = call.arguments["mesh"]
+    if call.maker in _FILES:
+        given = dict(call.arguments)
+        file = way(given.pop("path"), folder)
+        return {"mesh": {"file": file, **given}, **table}
+    shape = {"shape": _SHAPES[call.maker], **_plain(call.arguments)}
+    return {"mesh": shape, **table}
+
+
+def _place(call: Call) -> Any:
+    own = _plain(call.arguments)
+    return own if call.maker != "la.Along" else {"from": own["start"], "to": own["end"]}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Call):
+        return _plain(value.arguments)
+    if isinstance(value, Mapping):
+        return {name: _plain(own) for name, own in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(own) for own in value]
+    return plain(value)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two meshes are one, with their names."""
+    if type(one) is not type(other):
+        return False
+    arrays = np.array_equal(one.doflocs, other.doflocs) and np.array_equal(one.t, other.t)
+    return arrays and all(
+        _named(getattr(one, what), getattr(other, what)) for what in ("boundaries", "subdomains")
+    )
+
+
+def _named(one: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -> bool:
+    mine, theirs = one or {}, other or {}
+    return mine.keys() == theirs.keys() and all(
+        np.array_equal(own, theirs[name]) for name, own in mine.items()
+    )

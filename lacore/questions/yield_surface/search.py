@@ -19,11 +19,12 @@ from lacore.numerics.threads import each
 from lacore.problem.problem import Problem
 from lacore.questions.worth import error, proven, worth
 from lacore.questions.yield_surface.components import Components
-from lacore.questions.yield_surface.directions import apart, corners, spread
 from lacore.questions.yield_surface.hulls import Hulls, gauge, hulls
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
 from lacore.status import Rigor, Status
+
+_NEARLY = 1 - 1.5e-6  # cosine of a tenth of a degree
 
 _TRIES = 3  # of directions that nothing is proven in, before it is left as it is
 _AT_A_TIME = 2  # directions that are chosen at a time, whoever solves them
@@ -255,9 +256,9 @@ class Search:
         """
         axes = len(self.rows)
         first: list[Floats] = []
-        for corner in corners(centre.size):
+        for corner in _corners(centre.size):
             images = [signs * own for own in first for signs in self.senses]
-            if len(self.rows) + len(first) < n and all(apart(corner, own) for own in images):
+            if len(self.rows) + len(first) < n and all(_apart(corner, own) for own in images):
                 first.append(corner)
         self.ask(centre, [scale * way for way in first])
         tried: list[Floats] = []
@@ -278,7 +279,7 @@ class Search:
     def _farthest(
         self, found: Hulls, centre: Floats, scale: Floats, known: Sequence[Floats]
     ) -> list[Floats]:
-        """Directions of corners that are farthest out, and apart from known ones.
+        """Directions of _corners that are farthest out, and _apart from known ones.
 
         The second as if inner and outer met half-way in the first, and in its images.
         """
@@ -289,7 +290,7 @@ class Search:
             for number in np.argsort(-far):
                 way = (found.outer[number] - centre) / scale
                 way /= np.linalg.norm(way)
-                if all(apart(way, own) for own in images):
+                if all(_apart(way, own) for own in images):
                     break
             else:
                 break
@@ -303,7 +304,7 @@ class Search:
 
     def around(self, centre: Floats, scale: Floats, n: int) -> None:
         """Directions at equal angles, or on a spiral around a sphere; always all of them."""
-        ways = [scale * way for way in spread(centre.size, n - len(self.rows))]
+        ways = [scale * way for way in _spread(centre.size, n - len(self.rows))]
         for begin in range(0, len(ways), _AT_A_TIME):
             self.ask(centre, ways[begin : begin + _AT_A_TIME])
 
@@ -327,3 +328,27 @@ class Search:
             return "exact but for the residuals of certificates"
         strict = self.rigors == {Rigor.LOWER, Rigor.UPPER}
         return "both sides by strict bounds of the continuum" if strict else "not all bounds strict"
+
+
+def _corners(k: int) -> Floats:
+    """Between the axes, of length 1, shape (2^k, k); opposite ones from both ends."""
+    signs = np.array(np.meshgrid(*[[1.0, -1.0]] * k)).reshape(k, -1).T
+    return np.asarray(signs / np.sqrt(k))
+
+
+def _spread(k: int, count: int) -> Floats:
+    """At equal angles, or on a spiral around a sphere, shape (count, k)."""
+    number = np.arange(count) + 0.5
+    if k == 2:
+        around = 2 * np.pi * number / max(count, 1)
+        return np.stack([np.cos(around), np.sin(around)], axis=1)
+    height = 1 - 2 * number / max(count, 1)
+    turned = np.pi * (1 + 5**0.5) * number
+    ring = np.sqrt(1 - height**2)
+    return np.stack([ring * np.cos(turned), ring * np.sin(turned), height], axis=1)
+
+
+def _apart(one: Floats, other: Floats) -> bool:
+    """Whether directions differ by more than a tenth of a degree."""
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(one @ other) < _NEARLY * size

@@ -11,8 +11,8 @@ from skfem import MeshTri
 import lacore as la
 from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves, jacobians
-from lacore.meshes.renewal.distortion import mean_ratios
 from lacore.paths.ending import Ending
+from lacore.paths.renewal.mesher import mean_ratios
 from lacore.paths.renewal.remeshing import described
 from tests.lacore.paths.path_billets import billet, pressed
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after

@@ -13,8 +13,8 @@ from matplotlib.patches import FancyArrowPatch
 import lacore as la
 from lacore.pictures.regions import shaded
 from tests.shares import one_in
-from verification.case.sketches import sketch_of, sketched
 from verification.catalogue.catalogue import catalogue
+from verification.report.stored_figures import sketch_of, sketched
 
 CASES = [  # of the plane, each sixth in the fast tests
     pytest.param(case, id=case.id, marks=[pytest.mark.slow] if number % 6 else [])

@@ -8,8 +8,7 @@ import lacore as la
 from lacore.paths.flow import limit_problem
 from verification.case.following import Following
 from verification.cases import wedge_indentation
-from verification.evidence.path import _arrays, _unpacked, packed_step
-from verification.evidence.stages import restored_stage
+from verification.evidence.path import _arrays, _unpacked, packed_step, restored_stage
 
 
 @pytest.mark.slow

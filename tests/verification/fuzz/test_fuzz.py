@@ -13,8 +13,15 @@ from tests.verification.command_line import lacore
 from verification.campaigns import fuzzing
 from verification.campaigns.shrinking import candidates, shrunk
 from verification.commands.cli import main
-from verification.fuzz.drawn.cases import case_of, recipe_of, run_of, runs_of
-from verification.fuzz.drawn.classes import CLASSES, draw, random_of
+from verification.fuzz.drawn.cases import (
+    CLASSES,
+    case_of,
+    draw,
+    random_of,
+    recipe_of,
+    run_of,
+    runs_of,
+)
 from verification.fuzz.drawn.copies import COPIES, with_law
 from verification.fuzz.drawn.recipe import as_text, build
 from verification.fuzz.examine import examine

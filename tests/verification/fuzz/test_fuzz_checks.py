@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from verification.fuzz.checks.state_checks import check_state
-from verification.fuzz.drawn.classes import draw, random_of
+from verification.fuzz.drawn.cases import draw, random_of
 from verification.fuzz.drawn.recipe import build
 
 # How many of each class: the first that are certified, with shear in their contacts, or without.

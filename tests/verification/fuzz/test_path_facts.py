@@ -12,7 +12,7 @@ from verification.campaigns.shrinking import candidates
 from verification.fuzz.checks.path_copies import moved_back, same_load
 from verification.fuzz.checks.path_facts import check_facts, exact_force
 from verification.fuzz.checks.verdict import first
-from verification.fuzz.drawn.classes import draw
+from verification.fuzz.drawn.cases import draw
 from verification.fuzz.drawn.copies import COPIES, copied
 from verification.fuzz.drawn.paths import follow
 from verification.fuzz.drawn.recipe import build

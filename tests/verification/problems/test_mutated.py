@@ -9,9 +9,9 @@ from collections import Counter
 import pytest
 
 from lacore.errors import InputError
-from lacore.files.problem.layout import toml
 from lacore.files.problem.reading import read
 from lacore.files.problem.source import Source, written
+from lacore.files.problem.writing import toml
 from tests.verification.command_line import lacore
 from tests.verification.problems import others
 from verification.problems import starters

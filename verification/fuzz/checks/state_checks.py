@@ -1,12 +1,13 @@
 """All that is checked of one answer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
 
 import lacore as la
+from lacore.arrays import Floats
 from verification.fuzz.checks.flow import (
     Motion,
     check_footing,
@@ -17,8 +18,7 @@ from verification.fuzz.checks.flow import (
     motion_of,
 )
 from verification.fuzz.checks.frame_checks import check_frames, frame_powers, hinge_power
-from verification.fuzz.checks.friction_checks import check_friction, dissipation
-from verification.fuzz.checks.power import check_power, load_size, strain_points
+from verification.fuzz.checks.power import check_power, edges_of, load_size, strain_points
 from verification.fuzz.checks.rigid_checks import (
     Blocks,
     check_blocks,
@@ -27,9 +27,8 @@ from verification.fuzz.checks.rigid_checks import (
     rigid_blocks,
 )
 from verification.fuzz.checks.verdict import Wrong, beyond
-from verification.fuzz.checks.yield_checks import check_yield
 from verification.fuzz.drawn.recipe import Recipe
-from verification.fuzz.drawn.touches import Touches, touches
+from verification.fuzz.drawn.touches import Part, Touches, touches
 
 
 @dataclass(frozen=True)
@@ -110,9 +109,9 @@ def check_state(
             )
     yield from check_blocks(recipe, blocks, points, state)
     yield from check_power(recipe, problem, points, state, rng)
-    yield from check_yield(recipe, problem, state)
+    yield from _check_yield(recipe, problem, state)
     yield from check_frames(recipe, points, state)
-    yield from check_friction(points, sizes, scale.power, scale.speed)
+    yield from _check_friction(points, sizes, scale.power, scale.speed)
     yield from _check_powers(recipe, blocks, points, state, scale)
 
 
@@ -146,3 +145,86 @@ def _check_powers(
         table = table_power(recipe, state) + float(dissipation(points).sum())
         lost = table - state.load_factor - dead
         yield from beyond("power balance", "of the table off by", abs(lost), scale.power)
+
+
+def _check_friction(
+    points: Touches, sizes: Mapping[Part, float], power: float, speed: float
+) -> Iterator[Wrong]:
+    """That each contact point obeys its law.
+
+    Args:
+        points: of contact.
+        sizes: of the forces on each free part, N/m; a point is judged by the smaller of its two.
+        power: that the state turns over, N/m m/s.
+        speed: largest velocity, m/s.
+    """
+    own = np.array(
+        [
+            min(sizes.get(slave, np.inf), sizes.get(master, np.inf))
+            for slave, master in zip(points.slave, points.master, strict=True)
+        ]
+    )
+    own = np.where(np.isfinite(own), own, np.abs(points.force).sum())
+    yield from beyond("tension", "normal force", -points.force_n, own)
+    shear = np.abs(points.force_t)
+    bound = points.mu * points.force_n + points.limit
+    yield from beyond("friction cone", "shear beyond it", (shear - bound)[points.limit < np.inf],
+                      (own + np.where(np.isfinite(points.limit), points.limit, 0.0))[
+                          points.limit < np.inf])  # fmt: skip
+    yield from beyond("penetration", "u_n below 0", -points.opening, speed)
+    dilated = points.dilatancy > 0
+    shortfall = points.dilatancy * np.abs(points.slip) - points.opening
+    yield from beyond("dilatancy", "u_n below mu |u_t|", shortfall[dilated], speed)
+    stuck = np.isinf(points.limit)
+    yield from beyond("no slip", "slip", np.abs(points.slip[stuck]), speed)
+    lost = dissipation(points) + points.force_n * points.opening + points.force_t * points.slip
+    yield from beyond("law of a contact", "power off by", np.abs(lost), power)
+
+
+def dissipation(points: Touches) -> Floats:
+    """Power of friction at each point, N/m m/s."""
+    bound = np.where(points.dilatancy > 0, 0.0, points.mu * points.force_n)
+    limit = np.where(np.isfinite(points.limit), points.limit, 0.0)
+    return np.asarray((bound + limit) * np.abs(points.slip))
+
+
+def _check_yield(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Iterator[Wrong]:
+    """That no stress is beyond the strength, by the formula of each kinematics."""
+    for name, stress in state.stress.items():
+        data = recipe["bodies"][name]
+        shear = _shear_stress(stress, data["kinematics"])
+        yield from beyond("yield", f"stress of {name!r} beyond", shear - data["strength"],
+                          data["strength"])  # fmt: skip
+    if len(recipe["reference"]) == 1 and recipe["reference"][0]["load"] == "RigidFooting":
+        yield from _check_footing(recipe, problem, state)
+
+
+def _shear_stress(stress: Floats, kinematics: str) -> Floats:
+    """What von Mises compares with the strength in shear; stress (..., 4)."""
+    xx, yy, zz, xy = np.moveaxis(stress, -1, 0)
+    if kinematics == "plane_strain":
+        return np.asarray(np.hypot((xx - yy) / 2, xy))
+    squares = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.asarray(np.sqrt(squares / 6 + xy**2))
+
+
+def _check_footing(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Iterator[Wrong]:
+    """That the forces under a footing come to its load, where nothing else holds its nodes."""
+    load = recipe["reference"][0]
+    body = problem.bodies[load["body"]]
+    assert isinstance(body, la.Body)
+    start, end, _ = edges_of(body, load["where"])
+    held = [s for s in recipe["supports"] if s["body"] == load["body"]]
+    dead = [d for d in recipe["dead"] if d["load"] == "RigidFooting"]
+    if held or dead:
+        return
+    table = state.support_reactions
+    own = table[table["body"] == load["body"]]
+    length = np.linalg.norm(end - start, axis=0)
+    if body.axisymmetric:
+        length = length * np.pi * (start[0] + end[0])
+    direction = np.array(load["direction"]) / np.hypot(*load["direction"])
+    force = own[["force_x", "force_y"]].to_numpy()
+    asked = state.load_factor * load.get("pressure", 1.0) * length.sum()
+    size = np.hypot(*force.T).sum() + abs(asked)
+    yield from beyond("load of a footing", "off by", abs((force @ direction).sum() - asked), size)
