@@ -12,10 +12,10 @@ r"""A block is pressed flat between two smooth platens that move: rigid tools of
         +------------------------------+
            lower platen, moves up, or is at rest
 
-The platens are rigid blocks wider than the block ever becomes, and move by their velocities alone.
-What each of them feels is the force of the case upsetting, where a quarter of the block is pushed
-against an obstacle at rest; it depends on their relative motion only. The power that drives both is
-the force times the speed at which they close.
+The platens are tools with plane faces, and move by their velocities alone. The force on each of
+them is that of the case upsetting, where a quarter of the block is pushed against an obstacle at
+rest; it depends on their relative motion only. The power that drives both is the force times the
+speed at which they close.
 """
 
 from math import log, sqrt
@@ -30,35 +30,19 @@ WIDTH, HEIGHT, TRAVEL = 1.0, 1.0, 0.25
 _CLOSING = 2.0  # m of height per m of travel
 _MOTIONS = {"both": (-1.0, 1.0), "upper": (-2.0, 0.0)}  # of the upper and of the lower platen
 _VOLUME = 1e-9  # of a step: exact backends leave up to 3e-10 of the strain of a step, a half
-_ALLOWED = 1e-7  # a case of one body asks for 1e-8; rigid blocks add unknowns and tolerances
+_ALLOWED = 1e-7  # a case of one body asks for 1e-8; tools add unknowns and tolerances
 
 
 def build(nx: int, law: str, moving: str, steps: int, scheme: str) -> "la.Problem":
     """Half of the block in triangles; yield stress 1 at the beginning."""
     half = HEIGHT / 2
     mesh = la.meshes.rectangle((0, WIDTH), (-half, half), nx, nx)
-
-    def platen(low: float) -> "la.BlockAssembly":
-        corners = [(-WIDTH, low), (3 * WIDTH, low), (3 * WIDTH, low + 0.2), (-WIDTH, low + 0.2)]
-        return la.RigidBlock(corners)
-
     return la.Problem(
-        bodies={
-            "block": la.Body(mesh, la.VonMises(hardening=LAWS[law]), space="p2-gauss"),
-            "upper": platen(half),
-            "lower": platen(-half - 0.2),
-        },
-        supports=[
-            la.Fix("block", "left", "x"),
-            *(la.Fix(name, "block", "x") for name in ("upper", "lower")),  # nor do they turn
-        ],
-        interfaces=[
-            la.Interface(("block", "top"), ("upper", "block"), la.SMOOTH),
-            la.Interface(("block", "bottom"), ("lower", "block"), la.SMOOTH),
-        ],
+        bodies={"block": la.Body(mesh, la.VonMises(hardening=LAWS[law]), space="p2-gauss")},
+        supports=[la.Fix("block", "left", "x")],
         reference_loads=[
-            la.PointForce("upper", "block", (0, -1)),
-            la.PointForce("lower", "block", (0, 1)),
+            la.RigidFooting("block", "top", (0, -1), rough=False),
+            la.RigidFooting("block", "bottom", (0, 1), rough=False),
         ],
     )
 
@@ -66,6 +50,8 @@ def build(nx: int, law: str, moving: str, steps: int, scheme: str) -> "la.Proble
 def path(law: str, moving: str, steps: int, scheme: str) -> Following:
     """The platens close by half of the height."""
     upper, lower = _MOTIONS[moving]
+    half = HEIGHT / 2
+    above, below = la.shapes.plane((0, half), (0, -1)), la.shapes.plane((0, -half), (0, 1))
     return Following(
         TRAVEL,
         steps,
@@ -74,6 +60,10 @@ def path(law: str, moving: str, steps: int, scheme: str) -> Following:
         exact=lambda travel: _force(law, travel),
         load="force",
         volume=_VOLUME,
+        tools={
+            "upper": la.Tool(above, ("block", "top"), (0, upper)),
+            "lower": la.Tool(below, ("block", "bottom"), (0, lower)),
+        },
     )
 
 
@@ -102,7 +92,7 @@ _LEFT = 1 - _CLOSING * TRAVEL / HEIGHT
 CASE = Case(
     id="upsetting-tools",
     title="Block of hardening material pressed flat by two tools that move",
-    tags=("hardening", "continuum", "blocks", "contact", "path", "closed form"),
+    tags=("hardening", "continuum", "contact", "path", "closed form"),
     unit="power per travel / (initial width s0)",
     explanation=__doc__,
     hand_calculation=f"""\
