@@ -77,7 +77,8 @@ class Bubbles(Compact):
         dim = len(form.rows)
         size, mean = np.linalg.norm(own[..., :dim], axis=2), own[..., dim:]
         bound = _most(size)
-        surfaces = form.surfaces_of(region.elements)
+        # What is used depends on slopes alone: strengths that vary need no values here.
+        _, surfaces = region.strengths(region.elements, lambda _: np.zeros(len(bound)))
         if surfaces is None:
             return bound, np.zeros((len(bound), 0))
         used = [

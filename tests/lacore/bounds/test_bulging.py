@@ -10,6 +10,13 @@ from lacore.bounds.quadratic.bubbles import EDGES, Bubbles, bubble_power, bubble
 
 WEIGHT = la.Linear(-18e3, (300.0, 2e3), at=(0.0, 1.0))  # N/m^3, heavier below
 SOILS = {"clay": la.VonMises(40e3), "soil": la.MohrCoulomb(20e3, 20.0)}
+COHESION = la.Linear(20e3, (1e3, -2e3), at=(0.0, 1.0))  # Pa, larger below
+FIRM = la.MohrCoulomb(COHESION, 20.0)
+VARYING = {
+    "cut-off": la.MohrCoulomb(20e3, 20.0, tension_cutoff=la.Linear(8e3, (0.0, -1e3))),
+    "Rankine": la.Rankine(la.Linear(20e3, (0.0, -1e3)), 200e3),
+    "Drucker-Prager": la.DruckerPrager(COHESION, 20.0),
+}
 EXACT = 1e-9  # of the largest term: round-off of a projection, of meshes of some hundred elements
 
 
@@ -92,12 +99,12 @@ LOADS = {
 
 
 @pytest.mark.parametrize("loads", LOADS)
-@pytest.mark.parametrize("soil", SOILS)
+@pytest.mark.parametrize("soil", [*SOILS, "firm"])
 def test_stresses_of_a_lower_bound_are_admissible_everywhere(soil, loads):
     """Equilibrium and yield at random places of each element, tractions along each edge."""
     live, dead = LOADS[loads]
     mesh = kneaded(grid())
-    bound = la.lower_bound(cut(SOILS[soil], mesh, live, dead), throw=True)
+    bound = la.lower_bound(cut({**SOILS, "firm": FIRM}[soil], mesh, live, dead), throw=True)
     stress, control = field(bound)
     gradient, rng = slopes(mesh), np.random.default_rng(0)
     corner = mesh.p[:, mesh.t]
@@ -109,7 +116,8 @@ def test_stresses_of_a_lower_bound_are_admissible_everywhere(soil, loads):
             assert deviator.max() <= 40e3
         else:
             mean, phi = (s[:, 0] + s[:, 1]) / 2, np.radians(20.0)
-            assert np.all(deviator <= 20e3 * np.cos(phi) - np.sin(phi) * mean)
+            cohesion = 20e3 if soil == "soil" else COHESION(np.einsum("i,xie->xe", shares, corner))
+            assert np.all(deviator <= cohesion * np.cos(phi) - np.sin(phi) * mean)
         slope = np.einsum("eix,eic->ecx", gradient, stress)
         for f, (a, b) in enumerate(EDGES):
             along = shares[a] * gradient[:, b] + shares[b] * gradient[:, a]
@@ -142,6 +150,17 @@ def test_stresses_of_a_lower_bound_are_admissible_everywhere(soil, loads):
         assert np.abs(found[0] - found[1])[:, inner].max() <= EXACT * size
         if loads == "live":
             assert np.abs(found[0][:, free]).max() <= EXACT * size
+
+
+@pytest.mark.parametrize("soil", VARYING)
+def test_soils_whose_strength_and_weight_vary_have_both_bounds(soil):
+    live, dead = LOADS["dead"]
+    problem = cut(VARYING[soil], grid(), live, dead)
+    lower, upper = la.lower_bound(problem, throw=True), la.upper_bound(problem, throw=True)
+    assert 0 < lower.load_factor < upper.load_factor
+    gap = la.gap_identity(upper, lower)
+    assert gap.total == pytest.approx(upper.load_factor - lower.load_factor, rel=1e-9)
+    assert gap.least >= -1e-7 * upper.load_factor
 
 
 @pytest.mark.parametrize("space", ["p2-vertex", "p1-disc", "p2-disc"])
