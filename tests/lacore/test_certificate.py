@@ -415,3 +415,41 @@ def test_opening_at_one_point_makes_up_for_no_penetration_at_another():
     program, state = SLIDING_ERRORS["penetration"](*SLIDING)
     power = MU * P0 * (1 + 2e-3)  # of friction; the slip at the base is faster by the turn
     assert certify(program, state).slip == pytest.approx(P0 * 2e-3 / 4 / power)
+
+
+def test_forces_out_of_balance_count_by_the_speed_that_they_act_on():
+    """A dead load along a velocity against its axis: its power is what the load factor lacks."""
+    d, state = FLOWING
+    last = int(np.argmin(state.velocity))
+    assert state.velocity[last] < -0.5
+    more = np.zeros(d.program.n)
+    more[last] = -1e-4
+    program = replace(d.program, dead_load=d.program.dead_load + more)
+    missing = 1e-4 * -float(state.velocity[last])
+    power = 2 + P0 + missing  # of plastic flow at the yield stress 2 k, and of the dead load
+    assert certify(program, state).load == pytest.approx(missing / power)
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_stresses_off_the_yield_surface_make_flow_that_is_not_normal(share):
+    """By what they and the dissipation differ, whichever is larger, of all power."""
+    d, state = FLOWING
+    wrong = replace(state, stress=tuple(share * own for own in state.stress))
+    assert certify(d.program, wrong).flow == pytest.approx(1e-3 * 2 / (2 + P0))
+
+
+def test_contact_may_close_a_distance_within_a_step():
+    """The square sinks as fast as its distance from the base closes: an exact state."""
+    d, state = SLIDING
+    speed = 0.1
+    rows = replace(d.program.contact, closing=np.full(d.program.contact.count, speed))
+    program = replace(d.program, contact=rows)
+
+    def sinking(x):
+        return sliding_field(x) - np.array([[0.0], [speed]])
+
+    sunk = replace(state, velocity=on_free_unknowns(d, sinking))
+    assert certify(program, sunk).holds(EXACT)
+    # Without the distance it penetrates, and does not touch without sinking.
+    assert certify(d.program, sunk).penetration == pytest.approx(speed)
+    assert certify(program, state).slip > speed * P0 / 2

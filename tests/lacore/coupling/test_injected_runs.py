@@ -1,0 +1,199 @@
+"""Iterates of a loop that are wrong in exactly one way are not accepted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.backend import InnerSolution
+from lacore.certificate import certify
+from lacore.coupling.bounds import kinematic_load_factor, kinematic_power
+from lacore.coupling.freezing import friction_of, generous, pressing
+from lacore.coupling.nearby import Nearby
+from lacore.coupling.run import CouplingOptions, Iterate, Run, answered_by, paired, worst
+from lacore.program import Scales, dimensionless, frictionless_contact, reaction_contact
+from lacore.regularization import RegularisedValues
+from lacore.status import Status
+from tests.lacore.planted import MU, P0, flowing, sliding
+
+TOLERANCE = 1e-6
+D, STATE = flowing()
+PLASTIC = 2.0  # of `flowing`: 2 k at a rate of 1
+VALUES = RegularisedValues(plastic=2 - P0, alpha_reg=2 - P0, load_factor=2 - P0, multiplier=2 - P0)
+
+
+def run_of(program=D.program, regularised=False):
+    return Run(program, None, regularised, CouplingOptions(tolerance=TOLERANCE), lambda _: None)
+
+
+def iterate(state=STATE, program=D.program, status=Status.SOLVED, regularised=None, **changes):
+    inner = InnerSolution(status, "", 1, 0.0, state, regularised)
+    own = Iterate(0, "K", inner, state, certify(program, state), 0.0)
+    return replace(own, **changes)
+
+
+def test_an_exact_state_is_accepted():
+    run = run_of()
+    assert run.proven(iterate())
+    assert run.judged(iterate()).status is Status.SOLVED
+    assert run.judged(iterate(status=Status.ITERATION_LIMIT)).status is Status.SOLVED
+    assert not run.free(iterate())
+
+
+@pytest.mark.parametrize("name", ["load_factor", "normal_reaction", "velocity"])
+def test_a_state_that_is_off_is_not(name):
+    run, wrong = run_of(), replace(STATE, **{name: 1.0001 * getattr(STATE, name)})
+    assert not run.proven(iterate(wrong))
+    assert run.judged(iterate(wrong)).status is Status.NOT_CERTIFIED
+    stalled = run.judged(iterate(wrong, status=Status.STALLED))
+    assert stalled.status is Status.STALLED
+    assert not run.proven(iterate(certificate=None))
+    assert not run.proven(iterate(state=STATE, certificate=None))
+
+
+REGULARISED = run_of(regularised=True)
+
+
+def test_a_regularised_state_is_accepted_by_its_equilibrium():
+    assert REGULARISED.proven(iterate(regularised=VALUES))
+    # What the penalties let through is reported and not judged.
+    leaking = replace(certify(D.program, STATE), divergence=0.01, penetration=0.01, flow=0.01)
+    assert REGULARISED.proven(iterate(regularised=VALUES, certificate=leaking))
+    without = replace(VALUES, multiplier=np.nan)
+    assert REGULARISED.proven(iterate(regularised=without))
+
+
+@pytest.mark.parametrize("name", ["equilibrium", "yield_violation", "normalisation"])
+def test_a_regularised_state_is_refused_by_one_residual(name):
+    wrong = replace(certify(D.program, STATE), **{name: 2 * TOLERANCE})
+    assert not REGULARISED.proven(iterate(regularised=VALUES, certificate=wrong))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"mismatch": 2 * TOLERANCE},
+        # The energy of penalties is a fifth of what is dissipated.
+        {"regularised": replace(VALUES, alpha_reg=VALUES.plastic + PLASTIC / 5)},
+        {"regularised": replace(VALUES, multiplier=VALUES.multiplier * (1 + 1e-5))},
+        {"regularised": replace(VALUES, multiplier=VALUES.multiplier * (1 - 1e-5))},
+    ],
+)
+def test_a_regularised_state_is_refused_by_one_value(changes):
+    assert not REGULARISED.proven(iterate(**{"regularised": VALUES, **changes}))
+
+
+@pytest.mark.parametrize("regularised", [False, True])
+def test_a_motion_that_nothing_resists_is_free(regularised):
+    """A block on a smooth floor, pushed along it: no power at all."""
+    block = la.BlockAssembly({"b": la.masonry.rectangle(0, 1, 0, 1)}, 0.0)
+    floor = la.Interface(("b", lambda x: x[1] == 0), la.RigidObstacle((0, 0), (0, 1)), la.SMOOTH)
+    d = la.discretise(
+        la.Problem(
+            {"b": block},
+            [la.BodyForce("b", (1, 0))],
+            interfaces=[floor],
+            dead_loads=[la.BodyForce("b", (0, -1))],
+        )
+    )
+    program = d.program
+    moving = np.zeros(program.n)
+    moving[0] = 1 / program.reference_load[0]
+    rows = program.contact
+    state = replace(
+        STATE,
+        velocity=moving,
+        load_factor=0.0,
+        stress=(),
+        mean_stress=(),
+        normal_reaction=np.full(rows.count, 1.0),
+        tangential_reaction=np.zeros((rows.count, 1)),
+    )
+    values = RegularisedValues(0.0, 0.0, 0.0, 0.0) if regularised else None
+    run = run_of(program, regularised)
+    assert run.free(iterate(state, program, regularised=values))
+    assert run.judged(iterate(state, program, regularised=values)).status is Status.FREE
+    loaded = replace(state, load_factor=1e-3)
+    values = RegularisedValues(1e-3, 1e-3, 1e-3, 1e-3) if regularised else None
+    assert not run.free(iterate(loaded, program, regularised=values))
+    faster = replace(state, velocity=2 * moving)
+    values = RegularisedValues(0.0, 0.0, 0.0, 0.0) if regularised else None
+    assert not run.free(iterate(faster, program, regularised=values))
+    assert not run.free(iterate(state, program, status=Status.STALLED, regularised=values))
+
+
+def test_the_mismatch_is_the_change_of_friction_per_reaction():
+    d, state = sliding()
+    run = run_of(d.program)
+    for share in (0.5, 1.0, 1.5):
+        contact = reaction_contact(d.program.contact, share * state.normal_reaction)
+        found = run._mismatch(contact, state.normal_reaction)
+        assert found == pytest.approx(MU * abs(1 - share), abs=1e-15)
+
+
+@pytest.mark.parametrize("rate", [0.3, 2.0])
+def test_the_contraction_is_how_much_closer_images_are(rate):
+    """Of an affine map the slope, whatever its arguments."""
+    run, rng = run_of(), np.random.default_rng(0)
+    assert np.isnan(run.contraction)
+    for _ in range(3):
+        argument = rng.uniform(-1, 1, 4)
+        run.mapped("K", argument, 1 - rate * argument)
+    run.mapped("S", argument, 5 * argument)  # of another map the first
+    run.mapped("K", argument * (1 + 1e-9), 7 * argument)  # no change says nothing
+    assert run.rates == pytest.approx([rate, rate])
+    assert run.contraction == pytest.approx(rate)
+
+
+def test_friction_is_that_of_what_presses():
+    d, state = sliding()
+    program = d.program
+    pulled = replace(state, normal_reaction=state.normal_reaction - 2 * P0)
+    assert friction_of(program, pressing(program, state)) == pytest.approx(MU * P0)
+    assert not friction_of(program, pressing(program, pulled)).any()
+    assert friction_of(program, generous(program, 7.0)) == pytest.approx(7.0 * MU)
+
+
+def test_friction_nearby_is_taken_in_the_units_of_a_program():
+    d, state = sliding()
+    scales = Scales(length=2.0, stress=10.0, velocity=0.5)
+    program = dimensionless(d.program, scales)
+    slip = np.full(program.contact.count, 3.0)
+    found = Nearby(state.normal_reaction, slip).within(program)
+    assert found.pressed == pytest.approx(P0 / 10)
+    assert found.slip == pytest.approx(6.0)
+    for wrong in (slip[1:], -slip, np.nan * slip):
+        with pytest.raises(la.InputError, match="numbers of 0 or more"):
+            Nearby(slip=wrong).within(program)
+
+
+def test_powers_of_a_mechanism():
+    """2 k of plastic power and p0 of the dead load; mu p0 of friction where it slides."""
+    assert kinematic_power(D.program, STATE) == pytest.approx(PLASTIC + P0)
+    slides, state = sliding()
+    assert kinematic_power(slides.program, state) == pytest.approx(MU * P0)
+    smooth = frictionless_contact(slides.program.contact)
+    assert kinematic_load_factor(slides.program, state, smooth) == pytest.approx(0.0, abs=1e-12)
+    # Per power of the load, however fast.
+    faster = replace(STATE, velocity=3 * STATE.velocity)
+    assert kinematic_load_factor(D.program, faster, None) == pytest.approx(2 - P0)
+
+
+def test_pairs_and_who_answered():
+    reactions = STATE.normal_reaction.copy()
+    other = replace(STATE, velocity=2 * STATE.velocity, normal_reaction=reactions, load_factor=7.0)
+    pair = paired(other, STATE)
+    assert pair.velocity is other.velocity
+    assert pair.load_factor == STATE.load_factor
+    one = iterate()
+    two = replace(iterate(other), kind="path", step=1)
+    final = replace(one, state=pair)
+    coupled = run_of()
+    coupled.iterates += [one, two]
+    assert answered_by(coupled.end(Status.SOLVED, final), "ours") == (
+        "lacore (path following) and ours"
+    )
+    assert answered_by(coupled.end(Status.SOLVED, one), "ours") == "ours"
+    assert worst(replace(one, certificate=None)) == np.inf
+    assert worst(one) <= 1e-12
