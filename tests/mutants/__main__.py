@@ -27,6 +27,7 @@ _COPIED_NOT = shutil.ignore_patterns(
 )
 _LEAST_LIMIT, _SLOWER = 60.0, 4.0  # s, and times what the tests take without an error
 _FAILED, _INTERRUPTED = 1, 2  # exit codes of pytest: of a test, and of an import
+NOTICED, ENDLESS, MISSED = "noticed", "time limit", "NOT NOTICED"
 
 
 @dataclass
@@ -37,8 +38,8 @@ class Copy:
     seconds: dict[tuple[str, ...], float] = field(default_factory=dict)
     writes: int = 0
 
-    def notices(self, mutant: Mutant) -> tuple[bool, float]:
-        """Return whether the tests notice an error, and the time that they take, s."""
+    def outcome(self, mutant: Mutant) -> tuple[str, float]:
+        """Return what the tests make of an error, and the time that they take, s."""
         limit = max(_LEAST_LIMIT, _SLOWER * self._without_error(mutant.tests))
         original = (self.root / mutant.path).read_bytes()
         self._write(mutant.path, mutant.source)
@@ -48,7 +49,7 @@ class Copy:
             self._write(mutant.path, original)
         if code not in (0, _FAILED, _INTERRUPTED, None):
             raise SystemExit(f"pytest ended with exit code {code} for {mutant}")
-        return code != 0, seconds
+        return {0: MISSED, None: ENDLESS}.get(code, NOTICED), seconds
 
     def _without_error(self, tests: tuple[str, ...]) -> float:
         if tests not in self.seconds:
@@ -98,7 +99,7 @@ def digest(tests: Sequence[str]) -> str:
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in every)).hexdigest()[:16]
 
 
-def finished(records: Path) -> dict[str, dict[str, str | bool]]:
+def finished(records: Path) -> dict[str, dict[str, str]]:
     """Return the last record of each error."""
     if not records.exists():
         return {}
@@ -106,8 +107,8 @@ def finished(records: Path) -> dict[str, dict[str, str | bool]]:
     return {row["key"]: row for row in rows}
 
 
-def judged(mutants: Sequence[Mutant], records: Path) -> Iterator[tuple[Mutant, bool, float]]:
-    """Yield each error, whether tests notice it, and the time, s: 0 if it is already known."""
+def judged(mutants: Sequence[Mutant], records: Path) -> Iterator[tuple[Mutant, str, float]]:
+    """Yield each error, what tests make of it, and the time, s: 0 if it is already known."""
     known_rows = finished(records)
     records.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, records.open("a", encoding="utf-8") as file:
@@ -115,14 +116,14 @@ def judged(mutants: Sequence[Mutant], records: Path) -> Iterator[tuple[Mutant, b
         shutil.copytree(ROOT, copy.root, ignore=_COPIED_NOT)
         for mutant in mutants:
             row, tests = known_rows.get(mutant.key), digest(mutant.tests)
-            if row is not None and (row["noticed"] or row["tests"] == tests):
-                yield mutant, bool(row["noticed"]), 0.0
+            if row is not None and (row["outcome"] != MISSED or row["tests"] == tests):
+                yield mutant, row["outcome"], 0.0
                 continue
-            noticed, seconds = copy.notices(mutant)
-            row = {"key": mutant.key, "noticed": noticed, "tests": tests, "error": str(mutant)}
+            found, seconds = copy.outcome(mutant)
+            row = {"key": mutant.key, "outcome": found, "tests": tests, "error": str(mutant)}
             file.write(json.dumps(row) + "\n")
             file.flush()
-            yield mutant, noticed, seconds
+            yield mutant, found, seconds
 
 
 def main() -> int:
@@ -141,11 +142,9 @@ def main() -> int:
         return 0
     missed = []
     possible = [own for own in mutants if not own.equivalent]
-    for mutant, noticed, seconds in judged(possible, given.records):
-        print(
-            f"{'noticed' if noticed else 'NOT NOTICED':11}  {seconds:5.0f} s  {mutant}", flush=True
-        )
-        missed += [] if noticed else [mutant]
+    for mutant, found, seconds in judged(possible, given.records):
+        print(f"{found:11}  {seconds:5.0f} s  {mutant}", flush=True)
+        missed += [mutant] if found == MISSED else []
     print(f"{len(possible) - len(missed)} of {len(possible)} errors are noticed;", end=" ")
     print(f"{len(mutants) - len(possible)} cannot be noticed and were not run")
     print(*(f"not noticed: {mutant}" for mutant in missed), sep="\n")
