@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import lacore as la
@@ -369,7 +369,7 @@ def in_units(state, scales):
     velocity=st.floats(-6, 6),
     sticks=st.booleans(),
 )
-@settings(max_examples=20)
+@settings(max_examples=20, phases=[Phase.generate])  # a smaller seed is no simpler
 def test_no_residual_depends_on_units(seed, kind, length, stress, velocity, sticks):
     """Of a state that is wrong in everything, so that none of them vanishes."""
     rng = np.random.default_rng(seed)
