@@ -85,7 +85,8 @@ def test_a_load_factor_is_taken_where_strengths_were_reduced_for_it(monkeypatch,
         seen.append(most)
         return SimpleNamespace(status=Status.SOLVED, load_factor=next(values))
 
-    monkeypatch.setattr(lower_module, "_found", scripted)
+    monkeypatch.setattr(lower_module, "_solved", scripted)
+    monkeypatch.setattr(lower_module, "_bound", lambda solved, *given: solved)
     mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1)
     weight = la.Linear(-1.0, (0.5, 0.0), at=(0.0, 0.0))
     problem = la.Problem(
