@@ -13,28 +13,20 @@ views.picture.makers |= {
     "lacore.bounds.gap_identity:GapIdentity": "lacore.pictures.mesh:plot_gap",
     "lacore.adaptive.bracket:Bracket": "lacore.pictures.bracket:plot_bracket",
     "lacore.paths.path:Path": "lacore.pictures.path:plot_path",
-    "lacore.questions.load_cases:LoadCases": (
-        "lacore.pictures.questions.load_cases:plot_load_cases"
-    ),
-    "lacore.questions.yield_surface.envelope:Envelope": (
-        "lacore.pictures.questions.envelope:plot_envelope"
-    ),
-    "lacore.questions.critical:Critical": "lacore.pictures.questions.along:plot_critical",
-    "lacore.questions.position:WorstPosition": (
-        "lacore.pictures.questions.along:plot_worst_position"
-    ),
-    "lacore.questions.sensitivity:Sensitivity": (
-        "lacore.pictures.questions.sensitivity:plot_sensitivity"
-    ),
-    "lacore.questions.stable:Stable": "lacore.pictures.questions.stable:plot_stable",
+    "lacore.questions.load_cases:LoadCases": ("lacore.pictures.analyses:plot_load_cases"),
+    "lacore.questions.yield_surface.envelope:Envelope": ("lacore.pictures.analyses:plot_envelope"),
+    "lacore.questions.critical:Critical": "lacore.pictures.analyses:plot_critical",
+    "lacore.questions.position:WorstPosition": ("lacore.pictures.analyses:plot_worst_position"),
+    "lacore.questions.sensitivity:Sensitivity": ("lacore.pictures.analyses:plot_sensitivity"),
+    "lacore.questions.stable:Stable": "lacore.pictures.analyses:plot_stable",
 }
 views.curve.makers |= {
     "lacore.paths.path:Path": "lacore.pictures.path:plot_force",
 }
 views.thumbnail.makers |= {
-    "lacore.problem.problem:Problem": "lacore.pictures.thumbnails.problem:thumbnail_of_problem",
-    "lacore.limit.state:LimitState": "lacore.pictures.thumbnails.mechanism:thumbnail_of_state",
-    "lacore.paths.path:Path": "lacore.pictures.thumbnails.path:thumbnail_of_path",
+    "lacore.problem.problem:Problem": "lacore.pictures.thumbnails:thumbnail_of_problem",
+    "lacore.limit.state:LimitState": "lacore.pictures.thumbnails:thumbnail_of_state",
+    "lacore.paths.path:Path": "lacore.pictures.thumbnails:thumbnail_of_path",
 }
 views.section.makers |= {
     "lacore.limit.state:LimitState": "lacore.pictures.space.section:plot_section",

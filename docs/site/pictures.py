@@ -11,7 +11,7 @@ from pathlib import Path
 import lacore as la
 from lacore import views
 from lacore.bounds.enclosing import associated
-from lacore.pictures.thumbnails.paper import DPI
+from lacore.pictures.thumbnails import DPI
 from verification.case import Case
 from verification.case.band import BRACKET
 from verification.report.blocks import Picture, Text

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation
 
@@ -88,3 +89,13 @@ def draw_axis(axes: Axes, bodies: Iterable[Stated]) -> list[Line2D]:
         return []
     axes.axvline(0.0, color=_COLOUR, lw=_WIDTH, ls=_DASHES, zorder=1.2)
     return [Line2D([], [], color=_COLOUR, lw=_WIDTH, ls=_DASHES, label="axis")]
+
+
+def lay_out(figure: Figure) -> None:
+    """Find the margins of a figure now, from the scales that its axes have.
+
+    A layout that is found for the first time while the figure is saved does not know them.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)

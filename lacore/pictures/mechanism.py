@@ -11,13 +11,12 @@ from matplotlib.gridspec import GridSpec, SubplotSpec
 
 from lacore.arrays import Floats
 from lacore.limit.state import LimitState
-from lacore.pictures.axis import label_coordinates
+from lacore.pictures.axis import label_coordinates, lay_out
 from lacore.pictures.contact import draw_panel
 from lacore.pictures.continua import draw_colour_bar
 from lacore.pictures.displaced import displacement_of, draw_displaced, draw_ground_below
 from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_moments
-from lacore.pictures.layout import lay_out
 from lacore.pictures.space.mechanism import plot_in_space
 from lacore.pictures.space.surface import plot_flow
 from lacore.reporting.units import Units, fitting

@@ -1,6 +1,6 @@
 """Pictures of meshes: their edges and the names of boundaries, or a value in each element."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import matplotlib
 import numpy as np
@@ -13,12 +13,14 @@ from skfem import Mesh
 from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.regions.gathering import by_body, gathered
+from lacore.bodies.continuum.regions.region import Region
 from lacore.bounds.gap_identity import GapIdentity
 from lacore.bounds.lower import LowerBound
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.axis import draw_axis, label_coordinates
-from lacore.pictures.regions import shaded
 from lacore.pictures.space.surface import surface_by_name, surface_by_value
+
+_SHADES = ("#efe3c8", "#d9c4a3", "#c9d3c0", "#c2cdd6", "#e3c9bd", "#d8d2e0", "#b8a98f", "#dfe0b9")
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
@@ -141,3 +143,14 @@ def _page(bodies: Mapping[str, Body]) -> tuple[Figure, Axes]:
     draw_axis(axes, bodies.values())
     label_coordinates(axes, bodies.values())
     return figure, axes
+
+
+def shaded(body: Body, before: int = 0) -> Iterator[tuple[Region, str]]:
+    """Regions of a body with a colour each; they come again after eight.
+
+    Args:
+        body: of any regions.
+        before: regions of other bodies in the same picture, which have the first colours.
+    """
+    for number, region in enumerate(body.regions, before):
+        yield region, _SHADES[number % len(_SHADES)]

@@ -25,10 +25,9 @@ from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
 from lacore.paths.path import Path, Snapshot
 from lacore.paths.stage import Stage
-from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.axis import draw_axis, label_coordinates, lay_out
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
-from lacore.pictures.layout import lay_out
 from lacore.reporting.units import FORCES, fitting
 from lacore.showing import counted
 

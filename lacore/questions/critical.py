@@ -186,7 +186,7 @@ class Critical(Shown):
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Load factors: see `lacore.pictures.questions.along.plot_critical`."""
+        """Load factors: see `lacore.pictures.analyses.plot_critical`."""
         return views.picture(self)
 
 

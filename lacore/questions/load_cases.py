@@ -115,7 +115,7 @@ class LoadCases(Shown):
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Load factors by case: see `lacore.pictures.questions.load_cases.plot_load_cases`."""
+        """Load factors by case: see `lacore.pictures.analyses.plot_load_cases`."""
         return views.picture(self)
 
 

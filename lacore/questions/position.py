@@ -90,7 +90,7 @@ class WorstPosition(Shown):
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Load factors: see `lacore.pictures.questions.along.plot_worst_position`."""
+        """Load factors: see `lacore.pictures.analyses.plot_worst_position`."""
         return views.picture(self)
 
 

@@ -95,7 +95,7 @@ class Sensitivity(Shown):
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Elasticities: see `lacore.pictures.questions.sensitivity.plot_sensitivity`."""
+        """Elasticities: see `lacore.pictures.analyses.plot_sensitivity`."""
         return views.picture(self)
 
 

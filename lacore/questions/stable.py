@@ -78,7 +78,7 @@ class Stable(Shown):
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """See `lacore.pictures.questions.stable.plot_stable`."""
+        """See `lacore.pictures.analyses.plot_stable`."""
         return views.picture(self)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Protocol, runtime_checkable
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
@@ -11,7 +12,6 @@ from lacore.bodies.continuum.regions.lending import largest_strength
 from lacore.bounds.enclosing import named_criterion
 from lacore.errors import InputError
 from lacore.materials.criterion import Criterion
-from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
 
 
@@ -59,3 +59,22 @@ def require_weakening(name: str, body: Body) -> None:
             "without cohesion all loads together have no size: the load factor is 0 or endless",
             "give it a small cohesion; that of an infinite slope of sand is tan(phi)/tan(slope)",
         )
+
+
+@runtime_checkable
+class Weakening(Protocol):
+    """A criterion that has a weaker one beside it."""
+
+    @property
+    def strength(self) -> float:
+        """Shear stress that it carries without pressure, Pa."""
+        ...
+
+    @property
+    def label(self) -> str:
+        """What it is worth."""
+        ...
+
+    def weakened(self, factor: float) -> Criterion:
+        """With cohesion, ``tan(phi)``, strengths and cut-offs divided by a factor > 0."""
+        ...

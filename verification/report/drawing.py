@@ -138,7 +138,7 @@ def painted(subject: Subject) -> Picture | Text:
     """Draw a subject, or say why it cannot be drawn."""
     import matplotlib as mpl
 
-    from lacore.pictures.thumbnails.paper import DPI
+    from lacore.pictures.thumbnails import DPI
 
     try:
         # Text is measured anew for each resolution.

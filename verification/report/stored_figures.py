@@ -8,8 +8,7 @@ import lacore as la
 from lacore import views
 from lacore.adaptive.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
-from lacore.pictures.thumbnails.bracket import thumbnail_of_shares
-from lacore.pictures.thumbnails.path import thumbnail_of_shape
+from lacore.pictures.thumbnails import thumbnail_of_shape, thumbnail_of_shares
 from lacore.status import Rigor
 from verification.case import Case, Variant
 from verification.evidence.bracket import Shares, unpacked_shares

@@ -17,7 +17,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.blocks import FIXED, fill_blocks
-from lacore.pictures.regions import shaded
+from lacore.pictures.mesh import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, quantity
 from lacore.problem.problem import Problem
 from lacore.reporting.text import Reader, render

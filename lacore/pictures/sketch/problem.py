@@ -7,8 +7,7 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
-from lacore.pictures.axis import draw_axis, label_coordinates
-from lacore.pictures.layout import lay_out
+from lacore.pictures.axis import draw_axis, label_coordinates, lay_out
 from lacore.pictures.sketch.bodies import draw_body, part_names
 from lacore.pictures.sketch.conditions import (
     draw_interface,

@@ -142,7 +142,7 @@ class Envelope(Shown):
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Inner and outer: see `lacore.pictures.questions.envelope.plot_envelope`."""
+        """Inner and outer: see `lacore.pictures.analyses.plot_envelope`."""
         return views.picture(self)
 
 

@@ -8,7 +8,7 @@ import pytest
 import lacore as la
 from lacore.paths.contact.poses import placed, pose
 from lacore.paths.ending import Ending
-from lacore.pictures.thumbnails.path import thumbnail_of_path
+from lacore.pictures.thumbnails import thumbnail_of_path
 from verification.cases.shared.exact_paths import strip_force
 
 LAW = la.hardening.Linear(1.0, 1.0)

@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import FancyArrowPatch
 
 import lacore as la
-from lacore.pictures.regions import shaded
+from lacore.pictures.mesh import shaded
 from tests.shares import one_in
 from verification.catalogue.catalogue import catalogue
 from verification.report.stored_figures import sketch_of, sketched

@@ -10,7 +10,7 @@ from matplotlib.text import Text
 
 import lacore as la
 from lacore import views
-from lacore.pictures.thumbnails.paper import SIZE
+from lacore.pictures.thumbnails import SIZE
 from tests.frame_problems import pressed as pressed_portal
 from tests.lacore.bodies.blocks3d.solids import box
 from tests.lacore.models import punch

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from verification.analysis.columns import solver_columns
-from verification.analysis.ladders import ladders
+from verification.report.studies.single_solves import ladders
 
 ROW = {
     **{"case": "made", "variant": "up", "mesh": "coarse", "n_dofs": 40, "backend": "first"},

@@ -1,1 +1,0 @@
-"""Thumbnails: the collapse mechanism alone, drawn for the size at which a page shows it."""
