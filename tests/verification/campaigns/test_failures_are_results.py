@@ -15,7 +15,7 @@ from verification.report import reporting
 from verification.report.reporting import GrowingReport
 from verification.store.manifest import whole_file
 from verification.store.store import NAME, Store, entries
-from verification.verdicts.words import FAIL, PASS
+from verification.verdicts.words import FAIL, NO_REFERENCE, PASS
 
 BACKENDS = ["clarabel", "highs"]
 
@@ -188,3 +188,13 @@ def test_a_forged_log_is_no_link(tmp_path, runs, log):
         store.append(replace(outcome, row=replace(outcome.row, log=log)), "0")
     with pytest.raises(la.InputError, match="no file of a log"):
         entries(tmp_path / NAME)
+
+
+@pytest.mark.parametrize("verdict", [PASS, FAIL, NO_REFERENCE])
+def test_a_run_without_an_answer_is_a_failure_whatever_its_verdict(runs, verdict):
+    """A case without a reference judges no value, and a run that was stopped has none."""
+    stopped = {la.Status.TIME_LIMIT, la.Status.FAILED}
+    for status in (*stopped, la.Status.SOLVED, la.Status.LOCKED):
+        own = lost(runs[0], status, "planted")
+        outcome = replace(own, row=replace(own.row, verdict=verdict))
+        assert is_failure(outcome) == (verdict == FAIL or status in stopped)
