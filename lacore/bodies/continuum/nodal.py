@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.dofs import BodyDofs
 
 
@@ -11,31 +11,41 @@ def element_means(dofs: BodyDofs, values: Floats) -> Floats:
     return np.asarray(np.sum(dofs.weights * values, axis=1) / dofs.volumes)
 
 
-def vertex_means(dofs: BodyDofs, values: Floats) -> Floats:
+def vertex_means(dofs: BodyDofs, values: Floats, elements: Ints | slice = slice(None)) -> Floats:
     """Means of values (elements, q) around vertices, shape (vertices,), by their hat functions.
 
     None is above or below all values around it, and their integral is that of the values: the
     projection onto linear (bilinear) fields with its matrix lumped.
+
+    Args:
+        dofs: of the body.
+        values: at its strain points.
+        elements: whose values count, by default all; NaN at vertices that none of them has.
     """
-    mesh = dofs.body.mesh
-    share = np.einsum("cq,eq->ceq", corner_shapes(dofs.space.points, len(mesh.t)), dofs.weights)
-    size = np.bincount(mesh.t.ravel(), share.sum(axis=2).ravel(), minlength=mesh.nvertices)
-    total = np.bincount(mesh.t.ravel(), np.einsum("ceq,eq->ce", share, values).ravel())
-    return np.asarray(total / size)
+    mesh, weights = dofs.body.mesh, dofs.weights[elements]
+    corners = mesh.t[:, elements]
+    share = np.einsum("cq,eq->ceq", corner_shapes(dofs.space.points, len(corners)), weights)
+    size, total = (
+        np.bincount(corners.ravel(), own.ravel(), minlength=mesh.nvertices)
+        for own in (share.sum(axis=2), np.einsum("ceq,eq->ce", share, values[elements]))
+    )
+    means = np.full(size.size, np.nan)
+    means[size > 0] = total[size > 0] / size[size > 0]
+    return means
 
 
-def node_means(dofs: BodyDofs, values: Floats) -> Floats:
+def node_means(dofs: BodyDofs, values: Floats, elements: Ints | slice = slice(None)) -> Floats:
     """The same at all nodes of a continuous space, shape (nodes,): linear between vertices."""
-    corners = dofs.body.mesh.t
-    at = vertex_means(dofs, values)[corners]
-    means = np.empty(dofs.nodes.shape[1])
-    means[dofs.element_nodes[: len(corners)]] = at
+    corners, nodes = dofs.body.mesh.t[:, elements], dofs.element_nodes[:, elements]
+    at = vertex_means(dofs, values, elements)[corners]
+    means = np.full(dofs.nodes.shape[1], np.nan)
+    means[nodes[: len(corners)]] = at
     if dofs.degree == 2:
         # scikit-fem numbers the edges of a polygon (0, 1), (1, 2), ..., (0, last).
         sides = (at + np.roll(at, -1, axis=0)) / 2
-        means[dofs.element_nodes[len(corners) : 2 * len(corners)]] = sides
-    if len(dofs.element_nodes) == 2 * len(corners) + 1:
-        means[dofs.element_nodes[-1]] = at.mean(axis=0)
+        means[nodes[len(corners) : 2 * len(corners)]] = sides
+    if len(nodes) == 2 * len(corners) + 1:
+        means[nodes[-1]] = at.mean(axis=0)
     return means
 
 

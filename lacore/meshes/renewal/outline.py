@@ -1,47 +1,30 @@
-"""A new mesh inside the outline of an old one, by gmsh (the optional dependency ``gmsh``)."""
+"""A new mesh inside the outline of an old one, and inside the outlines of its regions."""
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import shapely
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 from skfem import Mesh
 from skfem.mesh import MeshTri1, MeshTri2
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.errors import (
-    InputError,
-    install_command,
-    require_known,
-    require_positive,
-    typed,
-)
+from lacore.errors import InputError, require_known, require_positive, typed
 from lacore.meshes.curved import EdgeCurves, edge_curves, jacobians, vertices
-from lacore.meshes.renewal.sizes import Sizes
+from lacore.meshes.renewal.sizes import Sizes, Uniform
+from lacore.meshes.renewal.triangles import apart, triangulated
 
 _CORNER = np.cos(np.radians(20.0))  # between edges that are parts of one smooth side
 _SAMPLES = 8  # parts of an old edge, in which its length is measured
 _SAME = 1e-9  # of the size of the mesh
 _LEAST_JACOBIAN = 0.1  # of its mean in an element: below, edges are made straighter
 _LEAST = 3  # edges of a closed line
-_INWARDS = 0.05  # of an edge: how far vertices are moved where a body is in contact with itself
 _GAUSS = np.array([1 - 1 / np.sqrt(3), 1 + 1 / np.sqrt(3)]) / 2
-
-
-@dataclass(frozen=True)
-class _Uniform:
-    """The same size everywhere."""
-
-    size: float
-
-    def __call__(self, points: Floats) -> Floats:
-        return np.full(points.shape[1], self.size)
 
 
 @dataclass(frozen=True)
@@ -64,10 +47,12 @@ def remeshed(
     size: float | Sizes,
     keep: Sequence[tuple[float, float]] = (),
     keep_edges: Sequence[str] = (),
+    keep_regions: Sequence[str] = (),
 ) -> MeshTri2:
     """Triangles of a length `size` in the outline of a mesh, with its boundary names.
 
-    Corners, ends of named boundaries and the vertices in `keep` stay vertices. Between them edges
+    Corners, ends of named boundaries and the vertices in `keep` stay vertices. The same holds for
+    the outlines of the regions in `keep_regions`, whose areas stay as well. Between them edges
     are about as long as `size`. Their vertices lie on the old outline, and their midside nodes are
     placed so that the area stays the same, unless this would invert an element.
 
@@ -77,6 +62,7 @@ def remeshed(
             `lacore.meshes.element_sizes`.
         keep: vertices, on the outline or inside.
         keep_edges: names of boundaries whose edges stay as they are.
+        keep_regions: names of regions (`mesh.subdomains`) that the new mesh has, too.
 
     Raises:
         InputError: gmsh is missing or fails; a size that is not positive; no vertex at a place, no
@@ -91,59 +77,178 @@ def remeshed(
         sizes = size
     else:
         require_positive("size", size)
-        sizes = _Uniform(size)
+        sizes = Uniform(size)
     for name in keep_edges:
         require_known("keep_edges", name, mesh.boundaries or {})
+    for name in keep_regions:
+        require_known("keep_regions", name, mesh.subdomains or {})
     held = [np.asarray(mesh.boundaries[name], dtype=np.int64) for name in keep_edges]
+    held_edges = np.unique(np.concatenate([[], *held]))
     kept = np.reshape(np.array(keep, dtype=float), (-1, 2))
-    outlines, inside = _outlines(mesh, sizes, kept, np.unique(np.concatenate([[], *held])))
-    lines = _apart([outline.start for outline in outlines])
-    points, triangles = _triangulated(lines, inside, sizes)
-    points[: sum(map(len, lines))] = np.concatenate([outline.start for outline in outlines])
-    straight = MeshTri1(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
-    known = {ends: facet for facet, ends in enumerate(map(tuple, straight.facets.T.tolist()))}
-    new, old, first = [], [], 0
-    for outline in outlines:
-        count = len(outline.start)
-        turn = first + np.arange(count)
-        ends = np.sort(np.stack([turn, np.roll(turn, -1)], axis=1), axis=1)
-        new += [known[start, end] for start, end in ends.tolist()]
-        old += outline.old.tolist()
-        first += count
+    regions = {name: np.asarray(mesh.subdomains[name]) for name in keep_regions}
+    part = _parts(mesh, regions)
+    _require_vertices(mesh, kept)
+    pieces = []
+    for number in range(part.max() + 1):
+        outlines, inside = _outlines(mesh, part, number, sizes, kept, held_edges)
+        lines = apart([outline.start for outline in outlines])
+        points, triangles = triangulated(lines, inside, sizes)
+        points[: sum(map(len, lines))] = np.concatenate([outline.start for outline in outlines])
+        pieces.append(_Piece(outlines, points, triangles))
+    return _joined(mesh, pieces, {name: np.unique(part[own]) for name, own in regions.items()})
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """New triangles of one part.
+
+    Attributes:
+        outlines: the outermost first.
+        points: (n, 2), those of the outlines first.
+        triangles: (m, 3).
+    """
+
+    outlines: list[_Outline]
+    points: Floats
+    triangles: Ints
+
+    @property
+    def edges(self) -> tuple[Ints, Ints, Floats]:
+        """Of the outlines: ends (n, 2), old facets (n,) and midside nodes (n, 2)."""
+        ends, first = [], 0
+        for outline in self.outlines:
+            turn = first + np.arange(len(outline.start))
+            ends.append(np.stack([turn, np.roll(turn, -1)], axis=1))
+            first += len(outline.start)
+        old, middle = (
+            np.concatenate([getattr(own, name) for own in self.outlines])
+            for name in ("old", "middle")
+        )
+        return np.concatenate(ends), old, middle
+
+
+def _parts(mesh: Mesh, regions: Mapping[str, Ints]) -> Ints:
+    """The connected part of a region, or of what is in none, that each element belongs to."""
+    owner = np.zeros((mesh.nelements, len(regions)), dtype=bool)
+    for number, elements in enumerate(regions.values()):
+        owner[elements, number] = True
+    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
+    links = inner[:, (owner[inner[0]] == owner[inner[1]]).all(axis=1)]
+    graph = coo_matrix((np.ones(links.shape[1]), links), shape=(mesh.nelements,) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _require_vertices(mesh: Mesh, keep: Floats) -> None:
+    """Raise `InputError` where a place that is kept has no vertex."""
+    far = _SAME * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
+    for place in keep.tolist():
+        if np.linalg.norm(vertices(mesh).T - place, axis=1).min() > far:
+            raise InputError("keep", tuple(place), "no vertex is there", "give one of the mesh")
+
+
+def _joined(mesh: Mesh, pieces: Sequence[_Piece], regions: Mapping[str, Ints]) -> MeshTri2:
+    """One mesh of all pieces, with the names of an old mesh.
+
+    Args:
+        mesh: the old one.
+        pieces: of its parts.
+        regions: numbers of the pieces by name.
+
+    Raises:
+        InputError: two pieces divide the line between them differently.
+    """
+    first = np.cumsum([0, *(len(own.points) for own in pieces)])
+    edges = [own.edges for own in pieces]
+    ends = np.concatenate([own + start for (own, _, _), start in zip(edges, first, strict=False)])
+    old, middle = (np.concatenate([own[which] for own in edges]) for which in (1, 2))
+    points = np.concatenate([own.points for own in pieces])
+    number = _merged(points, np.unique(ends[mesh.f2t[1, old] >= 0]), mesh)
+    _, used = np.unique(number, return_index=True)
+    triangles = np.concatenate(
+        [own.triangles + start for own, start in zip(pieces, first, strict=False)]
+    )
+    straight = MeshTri1(points[used].T.copy(), np.ascontiguousarray(number[triangles].T))
+    known = {pair: facet for facet, pair in enumerate(map(tuple, straight.facets.T.tolist()))}
+    new = np.array([known[low, high] for low, high in np.sort(number[ends], axis=1).tolist()])
     curved = MeshTri2.from_mesh(straight)
     places = curved.doflocs.copy()
-    middle = np.concatenate([outline.middle for outline in outlines])
-    places[:, curved.nvertices + np.array(new)] = middle.T
-    names = {
-        name: np.array(new)[np.isin(old, np.asarray(facets))]
+    places[:, curved.nvertices + new] = middle.T
+    boundaries = {
+        name: np.unique(new[np.isin(old, np.asarray(facets))])
         for name, facets in (mesh.boundaries or {}).items()
     }
-    return _upright(MeshTri2(places, curved.t)).with_boundaries(names)
+    found = _upright(MeshTri2(places, curved.t)).with_boundaries(boundaries)
+    if not regions:
+        return found
+    piece = np.repeat(np.arange(len(pieces)), [len(own.triangles) for own in pieces])
+    return found.with_subdomains(
+        {n: np.flatnonzero(np.isin(piece, own)) for n, own in regions.items()}
+    )
+
+
+def _merged(points: Floats, between: Ints, mesh: Mesh) -> Ints:
+    """Numbers of points (n, 2), one for those of several parts at one place.
+
+    Args:
+        points: of all parts, one after the other.
+        between: those that lie on lines between two parts.
+        mesh: the old one.
+
+    Raises:
+        InputError: a point between parts that only one of them has.
+    """
+    far = _SAME * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
+    near = cKDTree(points[between]).query_pairs(far) if between.size else set()
+    same = between[np.array(sorted(near), dtype=np.int64).reshape(-1, 2)]
+    if np.setdiff1d(between, same).size:
+        raise InputError(
+            "remeshed",
+            "size",
+            "two regions would divide the line between them differently",
+            "give a smaller size",
+        )
+    graph = coo_matrix((np.ones(len(same)), same.T), shape=(len(points),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _upright(mesh: MeshTri2) -> MeshTri2:
-    """The mesh with straighter edges on the outline where its elements would be inverted."""
+    """The mesh with straighter edges where its elements would be inverted."""
     places = mesh.doflocs.copy()
     for share in (0.5, 0.5, 0.5, 0.0):
         values = jacobians(replace(mesh, doflocs=places))
         bad = np.flatnonzero(values.min(axis=1) < _LEAST_JACOBIAN * values.mean(axis=1))
         if not bad.size:
             break
-        edges = np.intersect1d(mesh.t2f[:, bad], mesh.boundary_facets())
+        edges = np.unique(mesh.t2f[:, bad])
         centre = places[:, mesh.facets[:, edges]].mean(axis=1)
         middle = mesh.nvertices + edges
         places[:, middle] = centre + share * (places[:, middle] - centre)
     return replace(mesh, doflocs=places)
 
 
-def _outlines(mesh: Mesh, sizes: Sizes, keep: Floats, held: Ints) -> tuple[list[_Outline], Floats]:
-    """Those of a mesh, the outermost first; and the kept vertices that are on none."""
+def _outlines(
+    mesh: Mesh, part: Ints, number: int, sizes: Sizes, keep: Floats, held: Ints
+) -> tuple[list[_Outline], Floats]:
+    """Those of a part, the outermost first; and the kept vertices inside of it.
+
+    Args:
+        mesh: the old one.
+        part: number of the part that each element belongs to.
+        number: of the part.
+        sizes: of the new edges.
+        keep: vertices that stay, (n, 2).
+        held: edges that stay.
+    """
     far = _SAME * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
+    own = part == number
+    sides = np.where(mesh.f2t >= 0, part[mesh.f2t], -1)  # parts on both sides of each facet
+    outer = np.flatnonzero((sides == number).any(axis=0) & (sides != number).any(axis=0))
+    beyond = np.where(sides[0] == number, sides[1], sides[0])
     numbers, names = np.arange(mesh.nfacets), (mesh.boundaries or {}).values()
-    named = np.array([np.isin(numbers, np.asarray(facets)) for facets in names])
+    labels = np.array([beyond, *(np.isin(numbers, np.asarray(facets)) for facets in names)])
     left = np.ones(len(keep), dtype=bool)
     found = []
-    for facets, forward in _loops(mesh):
+    for facets, forward in _loops(mesh, outer):
         curves = edge_curves(mesh, facets)
         curves = EdgeCurves(
             np.where(forward, curves.start, curves.end),
@@ -152,9 +257,8 @@ def _outlines(mesh: Mesh, sizes: Sizes, keep: Floats, held: Ints) -> tuple[list[
         )
         first, last = (own / np.linalg.norm(own, axis=0) for own in map(curves.tangent, (0.0, 1.0)))
         breaks = np.sum(first * np.roll(last, 1, axis=1), axis=0) < _CORNER
-        if named.size:
-            own = named[:, facets]
-            breaks |= np.any(own != np.roll(own, 1, axis=1), axis=0)
+        there = labels[:, facets]
+        breaks |= np.any(there != np.roll(there, 1, axis=1), axis=0)
         fixed = np.isin(facets, held)
         breaks |= fixed | np.roll(fixed, 1)
         near = np.linalg.norm(curves.start.T[:, None] - keep[None], axis=2) <= far
@@ -162,17 +266,14 @@ def _outlines(mesh: Mesh, sizes: Sizes, keep: Floats, held: Ints) -> tuple[list[
         left &= ~near.any(axis=0)
         breaks[0] |= not breaks.any()
         found.append(_divided(curves, facets, np.flatnonzero(breaks), fixed, sizes))
-    inside = keep[left]
-    for place in inside.tolist():
-        if np.linalg.norm(vertices(mesh).T - place, axis=1).min() > far:
-            raise InputError("keep", tuple(place), "no vertex is there", "give one of the mesh")
-    areas = [abs(shapely.area(shapely.polygons(own.start))) for own in found]
-    return [found[number] for number in np.argsort(areas)[::-1]], inside
+    corners = vertices(mesh)[:, np.unique(mesh.t[:, own])].T
+    left &= np.array([np.linalg.norm(corners - place, axis=1).min() <= far for place in keep], bool)
+    areas = [abs(shapely.area(shapely.polygons(line.start))) for line in found]
+    return [found[which] for which in np.argsort(areas)[::-1]], keep[left]
 
 
-def _loops(mesh: Mesh) -> list[tuple[Ints, Bools]]:
-    """Boundary facets in turn, and whether each is run through from its start to its end."""
-    facets = mesh.boundary_facets()
+def _loops(mesh: Mesh, facets: Ints) -> list[tuple[Ints, Bools]]:
+    """Facets of closed lines in turn, and whether each is run through from start to end."""
     ends = mesh.facets[:, facets]
     at: dict[int, list[int]] = {}
     for number, pair in enumerate(ends.T.tolist()):
@@ -267,103 +368,3 @@ def _swept(side: EdgeCurves, edge: Ints, s: Floats) -> Floats:
         dx, dy = own.tangent(share * s)
         area += s * (x * dy - y * dx) / 4
     return area
-
-
-def _apart(lines: list[Floats]) -> list[Floats]:
-    """Closed lines that do not cross, the outermost first.
-
-    Where a body is in contact with itself they do, by little. Gmsh would not end then: all vertices
-    are moved into the body.
-
-    Raises:
-        InputError: they still cross.
-    """
-    if shapely.is_valid(shapely.Polygon(lines[0], lines[1:])):
-        return lines
-    moved = []
-    for number, line in enumerate(lines):
-        along = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
-        inwards = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        if shapely.LinearRing(line).is_ccw == (number > 0):
-            inwards = -inwards
-        moved.append(line + _INWARDS * inwards / 2)
-    if not shapely.is_valid(shapely.Polygon(moved[0], moved[1:])):
-        raise InputError(
-            "remeshed",
-            None,
-            "the outline crosses itself, and gmsh needs one that does not",
-            "give a smaller size, or end the path before",
-        )
-    return moved
-
-
-def _triangulated(lines: Sequence[Floats], inside: Floats, sizes: Sizes) -> tuple[Floats, Ints]:
-    """Points (n, 2), those of the closed lines first, and triangles (m, 3), by gmsh."""
-    gmsh = load_gmsh()
-    ours = not gmsh.isInitialized()
-    if ours:
-        with _pipes_as_before():
-            gmsh.initialize(interruptible=False)
-        gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.model.add("remeshed")
-    try:
-        geometry, loops, corners = gmsh.model.geo, [], []
-        for line in lines:
-            starts = zip(line.tolist(), sizes(line.T).tolist(), strict=True)
-            tags = [geometry.addPoint(x, y, 0, size) for (x, y), size in starts]
-            pairs = zip(tags, tags[1:] + tags[:1], strict=True)
-            sides = [geometry.addLine(one, two) for one, two in pairs]
-            for side in sides:
-                geometry.mesh.setTransfiniteCurve(side, 2)  # one edge
-            loops.append(geometry.addCurveLoop(sides))
-            corners += tags
-        surface = geometry.addPlaneSurface(loops)
-        held = [geometry.addPoint(x, y, 0) for x, y in inside.tolist()]
-        geometry.synchronize()
-        gmsh.model.mesh.embed(0, held, 2, surface)
-        if not isinstance(sizes, _Uniform):
-            gmsh.model.mesh.setSizeCallback(
-                lambda dim, tag, x, y, z, size: float(sizes(np.array([[x], [y]]))[0])
-            )
-        gmsh.model.mesh.generate(2)
-        nodes, places, _ = gmsh.model.mesh.getNodes()
-        _, used = gmsh.model.mesh.getElementsByType(2)
-        first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in corners]
-    except Exception as error:  # gmsh has no other
-        raise InputError("remeshed", str(error), "gmsh failed", "give another size") from error
-    finally:
-        gmsh.model.mesh.removeSizeCallback()
-        gmsh.model.remove()
-        if ours:
-            gmsh.finalize()
-    where = dict(zip(map(int, nodes), places.reshape(-1, 3)[:, :2], strict=True))
-    inner = sorted(set(map(int, used)) - set(first))
-    number = {tag: place for place, tag in enumerate([*first, *inner])}
-    points = np.array([where[tag] for tag in number])
-    return points, np.array([number[int(tag)] for tag in used], dtype=np.int64).reshape(-1, 3)
-
-
-@contextmanager
-def _pipes_as_before() -> Iterator[None]:
-    """Undo what gmsh does when it starts: a pipe that nobody reads would end the process."""
-    before = signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
-    try:
-        yield
-    finally:
-        if before is not None and threading.current_thread() is threading.main_thread():
-            signal.signal(signal.SIGPIPE, before)
-
-
-def load_gmsh() -> Any:
-    """Return the module `gmsh`.
-
-    Raises:
-        InputError: it is missing, or lacks libraries of the system.
-    """
-    try:
-        import gmsh
-    except (ImportError, OSError) as error:  # OSError: it lacks libraries of the system
-        raise InputError(
-            "remeshed", None, f"gmsh cannot be loaded ({error})", install_command("gmsh")
-        ) from error
-    return gmsh

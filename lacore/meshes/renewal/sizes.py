@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -15,6 +16,17 @@ Sizes = Callable[[Floats], Floats]
 """Lengths of edges, m, shape (n,), at points of shape (2, n)."""
 
 _NEIGHBOURS = 4  # vertices between which sizes are interpolated
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """The same size everywhere."""
+
+    size: float
+
+    def __call__(self, points: Floats) -> Floats:
+        """Return the size at points of shape (2, n)."""
+        return np.full(points.shape[1], self.size)
 
 
 def element_sizes(mesh: Mesh) -> Sizes:

@@ -14,8 +14,9 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.errors import InputError, require_known, require_positive
 from lacore.meshes.curved import signed_jacobians
-from lacore.meshes.renewal.outline import load_gmsh, remeshed
+from lacore.meshes.renewal.outline import remeshed
 from lacore.meshes.renewal.sizes import element_sizes
+from lacore.meshes.renewal.triangles import load_gmsh
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
 
@@ -32,9 +33,10 @@ _CLOSE = 0.1  # of that number
 class Remeshing(Compact):
     """Make new meshes when elements become distorted: triangles, with Gmsh (extra ``gmsh``).
 
-    With Gmsh, the outline, its names and corners, ends of contact with obstacles, vertices with a
-    `PointForce` or a `PointTravel`, and the edges of bonded boundaries stay. New vertices lie on
-    the old outline, and areas stay the same unless this would invert an element.
+    With Gmsh, the outlines of bodies and of their regions stay, with names and corners, ends of
+    contact with obstacles, vertices with a `PointForce` or a `PointTravel`, and the edges of bonded
+    boundaries. New vertices lie on the old outlines, and areas stay the same unless this would
+    invert an element.
     A new mesh is made before a step if the quality of an element, its mean ratio, has decreased to
     less than `quality` times that at the beginning of the path or at the last remeshing, and if the
     next step would invert an element.
@@ -96,26 +98,18 @@ class Remeshing(Compact):
         self.check(problem)
         deforming = of_kind(problem.bodies, Body)
         return {
-            name: self._made(name, deforming[name].mesh, problem, keep.get(name, ()))
+            name: self._made(name, deforming[name], problem, keep.get(name, ()))
             for name in (bodies or deforming)
         }
 
     def check(self, problem: Problem) -> None:
-        """Raise `InputError`: Gmsh is missing, a body of several regions, a size of no body."""
+        """Raise `InputError`: Gmsh is missing, a size of no body."""
         if self.mesher is not None:
             return
         deforming = of_kind(problem.bodies, Body)
         if isinstance(self.size, Mapping):
             for name in self.size:
                 require_known("Remeshing.size", name, deforming)
-        for name, body in deforming.items():
-            if len(body.regions) > 1:
-                raise InputError(
-                    "remesh",
-                    name,
-                    "this body has several regions, whose boundaries a new mesh would lose",
-                    "give a function that meshes it, or make each region a body and bond them",
-                )
         load_gmsh()
 
     def distorted(self, before: Mapping[str, Mesh], now: Mapping[str, Mesh]) -> list[str]:
@@ -131,7 +125,7 @@ class Remeshing(Compact):
             if not np.all(mean_ratios(mesh) >= self.quality * mean_ratios(before[name]))
         ]
 
-    def _made(self, name: str, mesh: Mesh, problem: Problem, keep: Sequence[Point]) -> Mesh:
+    def _made(self, name: str, body: Body, problem: Problem, keep: Sequence[Point]) -> Mesh:
         points = [load.point for load in problem.loads.values() if load.body == name]
         keep = [*keep, *((point[0], point[1]) for point in points if point is not None)]
         bonded = [
@@ -141,13 +135,16 @@ class Remeshing(Compact):
             for body, where in interface.sides
             if body == name
         ]
+        regions = [region.name for region in body.regions if region.name]
         size = self.size.get(name) if isinstance(self.size, Mapping) else self.size
         if size is not None:
-            return remeshed(mesh, size, keep, bonded)
-        return _alike(mesh, keep, bonded)
+            return remeshed(body.mesh, size, keep, bonded, regions)
+        return _alike(body.mesh, keep, bonded, regions)
 
 
-def _alike(mesh: Mesh, keep: Sequence[Point], bonded: Sequence[str]) -> Mesh:
+def _alike(
+    mesh: Mesh, keep: Sequence[Point], bonded: Sequence[str], regions: Sequence[str]
+) -> Mesh:
     """A mesh with elements as large as before; a quadrilateral becomes two triangles."""
     sizes, factor = element_sizes(mesh), 1.0
     count = mesh.nelements * (len(mesh.t) - 2)
@@ -155,12 +152,12 @@ def _alike(mesh: Mesh, keep: Sequence[Point], bonded: Sequence[str]) -> Mesh:
     def scaled(points: Floats) -> Floats:
         return factor * sizes(points)
 
-    new = remeshed(mesh, scaled, keep, bonded)
+    new = remeshed(mesh, scaled, keep, bonded, regions)
     for _ in range(_ROUNDS):
         if abs(new.nelements / count - 1) <= _CLOSE:
             break
         factor *= float(np.sqrt(new.nelements / count))
-        new = remeshed(mesh, scaled, keep, bonded)
+        new = remeshed(mesh, scaled, keep, bonded, regions)
     return new
 
 

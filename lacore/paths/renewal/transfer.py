@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 from skfem import Mesh
 
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import node_means
 from lacore.meshes.curved import subdivided
@@ -16,25 +16,35 @@ def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
     Means around the vertices of the old mesh (`lacore.bodies.continuum.nodal.vertex_means`), linear
     between its nodes; beyond its boundary those of the nearest place. Uniform strains stay what
     they are, none becomes larger or smaller than all before; peaks are smoothed over an element.
+    Each region gets its own strains.
     """
     places = np.asarray(new.basis.global_coordinates())
-    values, _ = at_places(old.body.mesh, node_means(old, strain), places.reshape(2, -1))
-    return np.asarray(values.reshape(places.shape[1:]))
+    found = np.empty(places.shape[1:])
+    for was, now in zip(old.body.regions, new.body.regions, strict=True):
+        own, there = was.elements, places[:, now.elements]
+        means = node_means(old, strain, own)
+        values, _ = at_places(old.body.mesh, means, there.reshape(2, -1), own)
+        found[now.elements] = values.reshape(there.shape[1:])
+    return found
 
 
-def at_places(mesh: Mesh, at_nodes: Floats, places: Floats) -> tuple[Floats, Floats]:
+def at_places(
+    mesh: Mesh, at_nodes: Floats, places: Floats, elements: Ints | slice = slice(None)
+) -> tuple[Floats, Floats]:
     """Interpolate values linearly between the nodes of a curved mesh.
 
     Args:
         mesh: with midside nodes.
         at_nodes: values, shape (..., nodes).
         places: shape (2, n); beyond the boundary the value is that at the nearest place.
+        elements: among which the places are, by default all.
 
     Returns:
-        Values, shape (..., n), and the distances from the mesh, m, shape (n,).
+        Values, shape (..., n), and the distances from the elements, m, shape (n,).
     """
     parts = subdivided(mesh)
-    corners = parts.p[:, parts.t]
+    cells = parts.t.reshape(3, -1, mesh.nelements)[:, :, elements].reshape(3, -1)
+    corners = parts.p[:, cells]
     triangles = shapely.polygons(corners.transpose(2, 1, 0))
     wanted = shapely.points(places.T)
     triangle = shapely.STRtree(triangles).nearest(wanted)
@@ -48,7 +58,7 @@ def at_places(mesh: Mesh, at_nodes: Floats, places: Floats) -> tuple[Floats, Flo
     whole = area(a, b, c)
     shares = np.stack([area(points, b, c), area(a, points, c), area(a, b, points)]) / whole
     shares = np.maximum(shares, 0.0)  # round-off at edges
-    nodal = at_nodes[..., parts.t[:, triangle]]
+    nodal = at_nodes[..., cells[:, triangle]]
     values = np.sum(shares * nodal, axis=-2) / shares.sum(axis=0)
     return np.asarray(values), np.asarray(shapely.length(lines))
 

@@ -9,11 +9,13 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
+from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves, jacobians
 from lacore.paths.ending import Ending
 from lacore.paths.renewal.mesher import mean_ratios
 from lacore.paths.renewal.remeshing import described
+from lacore.paths.renewal.transfer import transfer_errors, transferred
 from tests.lacore.paths.path_billets import billet, pressed
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after
 from tests.lacore.paths.test_path_remesh import require_gmsh
@@ -307,13 +309,63 @@ def test_bodies_that_it_cannot_mesh():
     """Refused before the first step."""
     with pytest.raises(InputError, match=r"Remeshing\.size"):
         la.sequential(strip(2), 0.1, 1, remesh=la.Remeshing(size={"stripe": 0.1}))
+
+
+def inclusion():
+    """A core inside of layers; edges are curved."""
+    mesh = la.meshes.rectangle((0, 3), (0, 2), 9, 6)
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    core = (x > 1) & (x < 2) & (y > 1) & (y < 5 / 3)
+    parts = {"core": core, "low": y < 2 / 3, "up": (y > 2 / 3) & ~core}
+    bent = la.meshes.isoparametric(mesh, lambda x: x + 0.05 * np.sin(2 * x[::-1]))
+    return bent.with_subdomains({name: np.flatnonzero(own) for name, own in parts.items()})
+
+
+def test_regions_keep_outline_and_area():
+    require_gmsh()
+    old = inclusion()
+    new = la.meshes.remeshed(old, 0.21, keep_regions=["core", "low", "up"])
+    for name in ("core", "low", "up"):
+        was, now = (jacobians(m).mean(axis=1)[np.asarray(m.subdomains[name])] for m in (old, new))
+        assert now.sum() == pytest.approx(was.sum(), rel=ROUND_OFF)
+    assert sorted(new.boundaries) == sorted(old.boundaries)
+    assert mean_ratios(new).min() > 0.2
+    assert sum(np.asarray(own).size for own in new.subdomains.values()) == new.nelements
+    la.Body(new, la.VonMises(1.0), space="p2-gauss")  # one mesh, without gaps or overlaps
+    with pytest.raises(InputError, match="keep_regions"):
+        la.meshes.remeshed(old, 0.2, keep_regions=["cor"])
+
+
+def test_regions_keep_their_strains():
+    """Each has its own, up to the line between them."""
+    require_gmsh()
+    metals = dict.fromkeys(("core", "low", "up"), la.VonMises(1.0))
+    old = la.Body(inclusion(), metals, space="p2-gauss")
+    new = replace(old, mesh=la.meshes.remeshed(old.mesh, 0.21, keep_regions=list(metals)))
+    was, now = (BodyDofs.at(body, 0) for body in (old, new))
+    strains = {"core": 0.3, "low": 0.1, "up": 0.7}
+    given, expected = (np.zeros(dofs.weights.shape) for dofs in (was, now))
+    for values, body in ((given, old), (expected, new)):
+        for region in body.regions:
+            values[region.elements] = strains[region.name]
+    found = transferred(was, given, now)
+    np.testing.assert_allclose(found, expected, rtol=ROUND_OFF)
+    assert transfer_errors(was, given, now, found) == pytest.approx((0, 0), abs=1e-9)
+
+
+def test_uniform_flow_of_two_regions_does_not_notice():
+    require_gmsh()
     problem = strip(2)
     body = problem.bodies["strip"]
     mesh = body.mesh.with_subdomains({"low": lambda x: x[1] < 0.5, "up": lambda x: x[1] > 0.5})
-    steel = la.VonMises(1.0)
-    parts = replace(body, mesh=mesh, criterion={"low": steel, "up": la.VonMises(2.0)})
-    with pytest.raises(InputError, match="several regions"):
-        la.sequential(replace(problem, bodies={"strip": parts}), 0.1, 1, remesh=la.Remeshing())
+    parts = replace(body, mesh=mesh, criterion=dict.fromkeys(("low", "up"), body.criterion))
+    regional = replace(problem, bodies={"strip": parts})
+    asked = {"travel": 0.3, "steps": 2, "scheme": "implicit-midpoint"}
+    plain = la.sequential(problem, **asked)
+    renewed = la.sequential(regional, **asked, remesh=la.Remeshing(quality=0.999))
+    assert "remeshed" in set(renewed.events["kind"])
+    loads = (path.history.load_factor.to_numpy() for path in (plain, renewed))
+    np.testing.assert_allclose(*loads, rtol=1e-7)
 
 
 def test_parts_of_a_curved_edge_are_that_edge():
