@@ -11,6 +11,7 @@ from skfem import MeshTet, MeshTri
 
 from lacore.adaptive.kept_water import kept
 from lacore.arrays import Floats, Ints
+from lacore.assembly.holding import slides_on_chords
 from lacore.assembly.loading import footings_of
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
@@ -109,10 +110,14 @@ def _space(body: Body, name: str, problem: Problem) -> str:
     """That of upper bounds: in space velocities that jump, the closest by far, where they can.
 
     Soil that slips opens. What holds it along a face alone, as a twist or an obstacle that it
-    sticks to, leaves it no velocity that is strictly possible (T94).
+    sticks to, leaves it no velocity that is strictly possible (T94). In the plane velocities jump
+    under smooth footings on edges that replace an arc: continuous ones would stick to them.
     """
     if body.dimension == 2:
-        return BOUNDING
+        slides = any(
+            slides_on_chords(own, body) for own in problem.loads.values() if own.body == name
+        )
+        return "p2-disc" if slides else BOUNDING
     if not body.pressure_dependent:
         return "p2-disc"
     opens = all(own.form.opens or not own.form.surfaces for own in body.regions)

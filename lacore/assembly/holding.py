@@ -10,16 +10,18 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.assembly.bonds import Ties, rigid_basis, supports_of
 from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
+from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import outward_normals
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.holding import solid_free_basis
 from lacore.conditions.elimination import NodeConditions, free_basis, held, join
-from lacore.conditions.footings import Footing
-from lacore.conditions.loads import Fix
+from lacore.conditions.footings import Footing, RigidFooting
+from lacore.conditions.loads import Fix, Load
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.errors import InputError
+from lacore.meshes.curved import is_curved
 from lacore.problem.problem import Problem
 
 _STRAIGHT = 1 - 1e-9  # cosine between normals of edges on one line
@@ -162,4 +164,36 @@ def _footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int
     facets = facets_of(footing, dofs.body)
     if slip is not None:
         facets = np.setdiff1d(facets, slip.of(number))
-    return footing_conditions(footing, *_boundary_nodes(dofs, facets), number)
+    nodes, outward = _boundary_nodes(dofs, facets)
+    if not dofs.space.jumps and (dofs.body.geometry != "exact" or is_curved(dofs.body.mesh)):
+        outward = _rounded(nodes, outward)
+    return footing_conditions(footing, nodes, outward, number)
+
+
+def slides_on_chords(load: Load, body: Body) -> bool:
+    """Whether a smooth footing slides on straight edges that replace an arc of a plane body.
+
+    Continuous velocities follow the arc there, and not the edges.
+    """
+    if body.dimension != 2 or body.geometry == "exact" or is_curved(body.mesh):
+        return False
+    if not isinstance(load, RigidFooting) or load.rough:
+        return False
+    facets = facets_of(load, body)
+    outward = np.tile(outward_normals(body, facets, 0.0), 2).T
+    mean = _rounded(body.mesh.facets[:, facets].ravel(), outward)
+    return bool(np.any(np.sum(mean * outward, axis=1) < _STRAIGHT))
+
+
+def _rounded(nodes: Ints, outward: Floats) -> Floats:
+    """Outward normals, at nodes of a curved boundary their mean: with two a node could not slide.
+
+    Where facets meet at a corner that is meant, both stay.
+    """
+    _, place = np.unique(nodes, return_inverse=True)
+    total = np.zeros((place.max(initial=-1) + 1, 2))
+    np.add.at(total, place, outward)
+    mean = total[place] / np.linalg.norm(total[place], axis=1, keepdims=True)
+    # Of two normals: the cosine of half of the angle between them.
+    turned = np.sum(mean * outward, axis=1)
+    return np.where((2 * turned**2 - 1 > _CORNER)[:, None], mean, outward)

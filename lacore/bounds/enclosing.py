@@ -6,11 +6,13 @@ And the refusal of what has no bounds: soils whose flow is not associated (T54).
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from lacore.assembly.holding import slides_on_chords
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.body_forces import require_linear
 from lacore.bodies.continuum.regions.region import Region
+from lacore.bodies.continuum.spaces import SPACES
 from lacore.errors import InputError
 from lacore.materials.criterion import Criterion
 from lacore.materials.friction import Coulomb, Friction, friction_law
@@ -84,8 +86,9 @@ def require_associated_flow(bodies: Mapping[str, Body]) -> None:
                 )
 
 
-def require_known_strengths(bodies: Mapping[str, Body]) -> None:
-    """Raise `InputError` where a strength varies within elements nobody knows how far."""
+def require_known_fields(problem: Problem) -> None:
+    """Raise `InputError` where a strength or a body force varies in elements nobody knows how."""
+    bodies = of_kind(problem.bodies, Body)
     for name, body in bodies.items():
         for region in body.regions:
             if not region.bounded:
@@ -104,14 +107,25 @@ def require_known_strengths(bodies: Mapping[str, Body]) -> None:
                         terms.SOLVE,
                     ),
                 )
-
-
-def require_known_forces(problem: Problem) -> None:
-    """Raise `InputError` where a body force varies within elements nobody knows how."""
-    bodies = of_kind(problem.bodies, Body)
     for field, load in problem.loads.items():
         if load.body in bodies:
             require_linear(load, bodies[load.body], field)
+
+
+def require_chords(problem: Problem) -> None:
+    """Raise `InputError` where velocities slide along an arc, across the chords of a mesh."""
+    bodies = of_kind(problem.bodies, Body)
+    for field, load in problem.loads.items():
+        body = bodies.get(load.body)
+        if body is None or SPACES[body.space].jumps or not slides_on_chords(load, body):
+            continue
+        raise InputError(
+            f"{field}.rough",
+            False,
+            f"in the space {body.space!r} velocities slide along the arc that the edges of the mesh"
+            " replace, and bound no load factor",
+            "take the space 'p2-disc', whose velocities slide along the edges",
+        )
 
 
 def named_criterion(body: str, region: Region) -> str:

@@ -26,8 +26,7 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import (
     named_criterion,
     require_associated_flow,
-    require_known_forces,
-    require_known_strengths,
+    require_known_fields,
 )
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.quadratic.bulging import Bulging, lifted, weakened
@@ -300,8 +299,7 @@ def _check_left(name: str, dofs: EquilibriumDofs, groups: Sequence[DissipationGr
 def _check_statable(problem: Problem) -> None:
     deforming = of_kind(problem.bodies, Body)
     require_associated_flow(of_kind(problem.bodies, Body))
-    require_known_strengths(of_kind(problem.bodies, Body))
-    require_known_forces(problem)
+    require_known_fields(problem)
     for field, load in problem.loads.items():
         if load.body in deforming:
             require_carried(load, deforming[load.body], field)

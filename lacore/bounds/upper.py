@@ -22,8 +22,8 @@ from lacore.bodies.continuum.regions.gathering import (
 from lacore.bodies.continuum.regions.lattices import on_lattice
 from lacore.bounds.enclosing import (
     require_associated_flow,
-    require_known_forces,
-    require_known_strengths,
+    require_chords,
+    require_known_fields,
 )
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
@@ -180,8 +180,8 @@ def upper_bound(
                 terms.ASSOCIATED,
             ),
         )
-    require_known_strengths(of_kind(given.bodies, Body))
-    require_known_forces(given)
+    require_known_fields(given)
+    require_chords(given)
     for name, dofs in discretisation.continua.items():
         if dofs.body.pressure_dependent and not dofs.space.strict:
             raise InputError(
@@ -322,10 +322,11 @@ def _strain(groups: Sequence[DissipationGroup], velocity: Floats) -> float:
 
 def _rigor(discretisation: Discretisation) -> Rigor:
     """What an admissible velocity proves: something of the continuum where edges are straight."""
-    bodies = discretisation.continua.values()
     inside = any("inner" in one.body.polygons for one in discretisation.frames.values())
-    strict = all(one.linear and one.body.geometry == "exact" for one in bodies) and not inside
-    return Rigor.UPPER if strict else Rigor.DISCRETE
+    strict = all(
+        one.linear and one.body.geometry == "exact" for one in discretisation.continua.values()
+    )
+    return Rigor.UPPER if strict and not inside else Rigor.DISCRETE
 
 
 def _load_factor(
