@@ -114,9 +114,8 @@ def _space(body: Body, name: str, problem: Problem) -> str:
     under smooth footings on edges that replace an arc: continuous ones would stick to them.
     """
     if body.dimension == 2:
-        slides = any(
-            slides_on_chords(own, body) for own in problem.loads.values() if own.body == name
-        )
+        own = [footing for footing in footings_of(problem) if footing.body == name]
+        slides = any(slides_on_chords(footing, body) for footing in own)
         return "p2-disc" if slides else BOUNDING
     if not body.pressure_dependent:
         return "p2-disc"

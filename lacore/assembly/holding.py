@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, hstack
@@ -18,7 +19,7 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.holding import solid_free_basis
 from lacore.conditions.elimination import NodeConditions, free_basis, held, join
 from lacore.conditions.footings import Footing, RigidFooting
-from lacore.conditions.loads import Fix, Load
+from lacore.conditions.loads import Fix
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.errors import InputError
 from lacore.meshes.curved import is_curved
@@ -170,16 +171,16 @@ def _footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int
     return footing_conditions(footing, nodes, outward, number)
 
 
-def slides_on_chords(load: Load, body: Body) -> bool:
+def slides_on_chords(footing: Footing, body: Body) -> bool:
     """Whether a smooth footing slides on straight edges that replace an arc of a plane body.
 
     Continuous velocities follow the arc there, and not the edges.
     """
     if body.dimension != 2 or body.geometry == "exact" or is_curved(body.mesh):
         return False
-    if not isinstance(load, RigidFooting) or load.rough:
+    if cast(RigidFooting, footing).rough:  # plates that twist are of space
         return False
-    facets = facets_of(load, body)
+    facets = facets_of(footing, body)
     outward = np.tile(outward_normals(body, facets, 0.0), 2).T
     mean = _rounded(body.mesh.facets[:, facets].ravel(), outward)
     return bool(np.any(np.sum(mean * outward, axis=1) < _STRAIGHT))

@@ -13,6 +13,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.body_forces import require_linear
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.spaces import SPACES
+from lacore.conditions.footings import footings
 from lacore.errors import InputError
 from lacore.materials.criterion import Criterion
 from lacore.materials.friction import Coulomb, Friction, friction_law
@@ -115,12 +116,12 @@ def require_known_fields(problem: Problem) -> None:
 def require_chords(problem: Problem) -> None:
     """Raise `InputError` where velocities slide along an arc, across the chords of a mesh."""
     bodies = of_kind(problem.bodies, Body)
-    for field, load in problem.loads.items():
-        body = bodies.get(load.body)
-        if body is None or SPACES[body.space].jumps or not slides_on_chords(load, body):
+    for footing in footings(problem.loads.values()):
+        body = bodies[footing.body]
+        if SPACES[body.space].jumps or not slides_on_chords(footing, body):
             continue
         raise InputError(
-            f"{field}.rough",
+            "RigidFooting.rough",
             False,
             f"in the space {body.space!r} velocities slide along the arc that the edges of the mesh"
             " replace, and bound no load factor",
