@@ -30,7 +30,10 @@ def changed(source):
         ("_SWEEPS = 3", {"_SWEEPS = 1"}),
         ("def f(a):\n    if a:\n        return 1", {"def f(a):\n    if False:\n        return 1"}),
         ("'é' if a > b else c", {"'é' if a < b else c"}),  # columns count bytes
-        ("def f(a: int | None): ...", set()),
+        ("def f(a: int | None = 2.0): ...", set()),
+        ("np.where(a, b, 1.0)", set()),
+        ("np.where(a, b, 3.0)", {"np.where(a, b, 3000.0)"}),
+        ("a.max(initial=0.0)", {"a.min(initial=0.0)"}),
         ("raise InputError('a' + b)", set()),
         ("def facts(a):\n    return a + b", set()),
     ],

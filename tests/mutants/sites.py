@@ -4,6 +4,7 @@ import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
+from typing import TypeGuard
 
 COMPARISONS: dict[type[ast.cmpop], tuple[str, str]] = {
     ast.Lt: ("<", ">"),
@@ -33,6 +34,8 @@ TEXTS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict)
 """Operands of sums that are no numbers."""
 REPORTS = frozenset({"InputError", "Finding", "Quantity", "text", "TypeError", "ValueError"})
 """Calls whose arguments are read by people: tests of texts judge them."""
+STARTS = frozenset({"initial", "default"})
+"""Keywords of numbers that stand for an empty maximum."""
 SHOWN = ("__str__", "__repr__", "facts", "label", "picture", "plot", "summary", "message", "text")
 """Beginnings of the names of functions that only show results."""
 
@@ -92,11 +95,15 @@ class _Sites:
                 return
         if isinstance(node, ast.Call) and _name(node.func) in REPORTS:
             return
+        if isinstance(node, ast.keyword) and node.arg in STARTS:
+            return
         for start, end, changed, kind in self._changes(node, function):
             line = getattr(node, "lineno", 1)
             yield Edit(line, function, start, end, changed, kind)
+        if _is_divisor(node):
+            node = ast.Tuple(elts=node.args[:2])  # what is divided by nothing has no size
         for field, value in ast.iter_fields(node):
-            if field in ("annotation", "returns", "decorator_list", "slice", "bases"):
+            if field in ("annotation", "returns", "decorator_list", "slice", "bases", "defaults"):
                 continue
             for child in value if isinstance(value, list) else [value]:
                 if isinstance(child, ast.AST):
@@ -133,7 +140,7 @@ class _Sites:
                 test=test, body=[ast.Return() | ast.Raise() | ast.Continue() | ast.Break()]
             ):
                 yield *self._range(test), "False", "dropped check"
-            case ast.Constant(value=float(value)) if not isinstance(value, bool):
+            case ast.Constant(value=float(value)):
                 factor = 2.0 if function else 1000.0
                 yield *self._range(node), repr(factor * value if value else 1.0), "constant"
             case ast.Assign(value=ast.Constant(value=int(value))) if not function and value > 1:
@@ -157,6 +164,14 @@ class _Sites:
     def _text(self, node: ast.expr) -> str:
         start, end = self._range(node)
         return self._source[start:end].decode()
+
+
+def _is_divisor(node: ast.AST) -> TypeGuard[ast.Call]:
+    """Return whether a node is ``np.where(size > 0, size, 1.0)``, whose 1 stands for any number."""
+    match node:
+        case ast.Call(func=func, args=[_, _, ast.Constant(value=1.0)]):
+            return _name(func) == "where"
+    return False
 
 
 def _text(*operands: ast.expr) -> bool:
