@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
-from lacore.reporting.findings import Finding, Message
+from lacore.reporting.findings import Finding, Message, Severity
 from lacore.reporting.kinds import Kind
 
 
@@ -91,15 +91,17 @@ class Reported:
         """Text of the status and of the findings."""
         return str(self.report)
 
-    def unanswered(self, backend: str) -> Finding:
+    def unanswered(self, backend: str, severity: Severity = Severity.NOTE) -> Finding:
         """Return why there is no bound or state, with the backend unless the problem has none.
 
         Args:
             backend: Name of the backend whose answer has this status.
+            severity: Role of the finding in the result that needs the bound or state.
         """
         if self.status in _OF_THE_PROBLEM:
-            return Finding(Kind.STATUS, values={"report": self.report})
-        return Finding(Kind.NO_ANSWER, values={"backend": backend, "report": self.report})
+            return Finding(Kind.STATUS, (), {"report": self.report}, severity)
+        values = {"backend": backend, "report": self.report}
+        return Finding(Kind.NO_ANSWER, (), values, severity)
 
 
 _WITH_POINT = frozenset(

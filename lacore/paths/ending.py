@@ -2,7 +2,9 @@
 
 from enum import Enum
 
-from lacore.reporting.findings import Finding, Message
+from lacore.errors import LacoreError
+from lacore.reporting.findings import Finding, Message, Severity
+from lacore.reporting.kinds import Kind
 
 
 class Ending(Enum):
@@ -58,3 +60,21 @@ class Ending(Enum):
     def report(self, findings: tuple[Finding, ...]) -> Message:
         """Return the text of this ending with findings, to be rendered for a reader."""
         return Message(self.label, self.value, findings)
+
+
+class PathEndError(Exception):
+    """The path cannot go on.
+
+    Attributes:
+        ending: Its kind.
+        findings: What else there is to report, such as the element that would be inverted.
+    """
+
+    def __init__(self, ending: Ending, *findings: Finding) -> None:
+        self.ending, self.findings = ending, findings
+        super().__init__(str(ending.report(findings)))
+
+
+def refused(error: LacoreError, severity: Severity = Severity.DETAIL) -> Finding:
+    """Return a finding that quotes an error."""
+    return Finding(Kind.REFUSED, (), {"error": error.text}, severity)

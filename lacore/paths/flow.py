@@ -146,11 +146,39 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     return discretise(stage.at(moment.at), contact)
 
 
+@dataclass(frozen=True, repr=False)
+class WarmStart(Compact):
+    """What a solve of a step takes from the solves before it.
+
+    Attributes:
+        velocity: of the step before by body, whose slip tells where to look for reactions: those
+            of that step are too far off. None at the beginning, and on new meshes.
+        reactions: of the last solve of the step; None before the first.
+        solves: of the step so far.
+    """
+
+    velocity: Mapping[str, Floats] | None = None
+    reactions: Floats | None = None
+    solves: int = 0
+
+    def after(self, state: LimitState) -> "WarmStart":
+        """Return the start of the solve after a state."""
+        assert state.point is not None
+        reactions = np.maximum(state.point.normal_reaction, 0.0)
+        return WarmStart(self.velocity, reactions, self.solves + state.outer_iterations)
+
+    def within(self, problem: Discretisation, moment: Moment) -> Moment:
+        """Return a moment with the friction at which the loop begins."""
+        pressed, slip = self.reactions, None
+        if pressed is not None and pressed.size != problem.full.contact.count:
+            pressed = None  # bodies have slid on to other edges
+        if self.reactions is None and self.velocity is not None:
+            slip = _slip(problem, self.velocity)
+        return replace(moment, pressed=pressed, slip=slip)
+
+
 def flow(
-    stage: Stage,
-    moment: Moment,
-    settings: Mapping[str, Any],
-    before: Mapping[str, Floats] | None = None,
+    stage: Stage, moment: Moment, settings: Mapping[str, Any], warm: WarmStart | None = None
 ) -> Flow:
     """Solve the limit problem of a moment.
 
@@ -158,16 +186,13 @@ def flow(
         stage: the problem.
         moment: of a step.
         settings: see `lacore.solve`.
-        before: velocity of the step before by body, whose slip is to be that of the moment.
+        warm: where the loop begins; None: at the friction of the moment, if it has any.
 
     Raises:
         InputError: see `discretised`.
     """
     problem = limit_problem(stage, moment)
-    if moment.pressed is not None and moment.pressed.size != problem.full.contact.count:
-        moment = replace(moment, pressed=None)  # bodies have slid on to other edges
-    if before is not None:
-        moment = replace(moment, slip=_slip(problem, before))
+    moment = moment if warm is None else warm.within(problem, moment)
     state = solve(problem, **settings, pressed=moment.pressed, slip=moment.slip)
     return flow_of(state, moment)
 

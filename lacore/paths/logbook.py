@@ -1,7 +1,7 @@
 """What a path leaves behind, as it comes: rows, events, snapshots."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,10 @@ from lacore.paths import drift
 from lacore.paths.contact.approach import gaps
 from lacore.paths.contact.overlap import overlap_and_touching
 from lacore.paths.control import Gauge
-from lacore.paths.ending import Ending
-from lacore.paths.path import Event, Path, PathStep, Snapshot
+from lacore.paths.ending import Ending, PathEndError
+from lacore.paths.path import Event, Path, PathStep, Snapshot, state_of
 from lacore.paths.renewal.remeshing import NewMeshes
-from lacore.paths.schemes import Here, PathEndError, Stride
+from lacore.paths.schemes import Here, Stride
 from lacore.paths.stage import Stage
 from lacore.paths.stored.progress import Progress
 from lacore.reporting.findings import Finding
@@ -85,7 +85,6 @@ class Log:
         stride: Stride,
         jacobian: float,
         volume: float,
-        solves: int,
         seconds: float,
     ) -> None:
         """A step was taken."""
@@ -110,7 +109,7 @@ class Log:
             volume=volume,
             overlap=self._contacts(here, there),
             error=stride.error,
-            solves=solves,
+            solves=stride.warm.solves,
             gap=state.certificate.gap,
             end=there.travel,
             seconds=seconds,
@@ -200,7 +199,10 @@ class Log:
         self, ending: Ending, findings: tuple[Finding, ...], settings: Mapping[str, Any]
     ) -> Path:
         """The end; settings are those of each solve."""
-        path = Path(
+        if self.last is None and self.rows:  # of a path that was all kept
+            snapshot = self.snapshots[-1]
+            self.last = state_of(snapshot, self.stage, self.later, settings)
+        return Path(
             status=ending,
             findings=(*findings, *drift.warnings(self.events)),
             history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
@@ -212,9 +214,6 @@ class Log:
             settings=settings,
             unit=self.unit,
         )
-        if self.last is None and self.rows:  # of a path that was all kept
-            return replace(path, last=path.state())
-        return path
 
 
 def peak(rows: Sequence[PathStep], column: str) -> tuple[int, float, float] | None:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.errors import InputError, require_positive
-from lacore.paths.ending import Ending
-from lacore.paths.schemes import PathEndError
+from lacore.paths.ending import Ending, PathEndError
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
 from lacore.showing import Compact

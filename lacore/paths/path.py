@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Integral
 from os import PathLike
@@ -125,6 +125,23 @@ class Snapshot(Compact):
     duration: float = 0.0
 
 
+def stage_of(snapshot: Snapshot, first: Stage, later: Sequence[tuple[int, Stage]]) -> Stage:
+    """Return the stage that has the meshes of a snapshot; see `Path.later`."""
+    passed = [stage for step, stage in later if step <= snapshot.step]
+    return passed[-1] if passed else first
+
+
+def state_of(
+    snapshot: Snapshot,
+    first: Stage,
+    later: Sequence[tuple[int, Stage]],
+    settings: Mapping[str, Any],
+) -> LimitState:
+    """Solve for the limit state of a snapshot, which is not that of the beginning."""
+    assert snapshot.moment is not None
+    return flow(stage_of(snapshot, first, later), snapshot.moment, settings).state
+
+
 @dataclass(frozen=True, repr=False)
 class Path(Reported, Shown):
     """A path of large deformation.
@@ -189,8 +206,7 @@ class Path(Reported, Shown):
 
     def stage_of(self, snapshot: Snapshot) -> Stage:
         """The stage that has the meshes of a snapshot."""
-        passed = [stage for first, stage in self.later if first <= snapshot.step]
-        return passed[-1] if passed else self.stage
+        return stage_of(snapshot, self.stage, self.later)
 
     def snapshot(self, step: int) -> Snapshot:
         """The bodies at the end of a step; counted from the end of `snapshots` where negative.
@@ -225,7 +241,7 @@ class Path(Reported, Shown):
             raise InputError("step", step, "is the beginning, without a state", "give 1 or more")
         if self.last is not None and snapshot.step == self.snapshots[-1].step:
             return self.last
-        return flow(self.stage_of(snapshot), snapshot.moment, self.settings).state
+        return state_of(snapshot, self.stage, self.later, self.settings)
 
     def tool_forces(self, step: int = -1) -> pd.DataFrame:
         """What contact exerts on each rigid block in a step: force [N/m] and moment [N].

@@ -1,22 +1,22 @@
 """Schemes of a path: at which configuration a step is solved, and how it moves the bodies (T30)."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.touching import TOUCH
-from lacore.errors import InputError, LacoreError
+from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.folding import Fold, first_fold
 from lacore.paths.control import Gauge
-from lacore.paths.ending import Ending
-from lacore.paths.flow import Flow, Moment, flow
+from lacore.paths.ending import Ending, PathEndError, refused
+from lacore.paths.flow import Flow, Moment, WarmStart, flow
 from lacore.paths.selection import LeastNorm, least_norm
 from lacore.paths.stage import Stage
 from lacore.paths.tools.overlap import contacts
@@ -40,29 +40,16 @@ _STILL = 1e-9  # of the largest velocity: a control that moves less stands still
 Fields = Mapping[str, Floats]
 
 
-class PathEndError(Exception):
-    """The path cannot go on.
+class FoldedError(PathEndError):
+    """A body touches itself before the shape at which a step is solved, or ends, is reached.
 
     Attributes:
-        ending: Its kind.
-        findings: What else there is to report, such as the element that would be inverted.
+        fold: where, and how far on the way.
+        warm: of the next attempt at the step.
     """
 
-    def __init__(self, ending: Ending, *findings: Finding) -> None:
-        self.ending, self.findings = ending, findings
-        super().__init__(str(ending.report(findings)))
-
-
-def refused(error: LacoreError) -> Finding:
-    """Return a finding that quotes an error."""
-    return Finding(Kind.REFUSED, (), {"error": error.text}, Severity.DETAIL)
-
-
-class FoldedError(PathEndError):
-    """A body touches itself before the shape at which a step is solved, or ends, is reached."""
-
-    def __init__(self, fold: Fold) -> None:
-        self.fold = fold
+    def __init__(self, fold: Fold, warm: WarmStart) -> None:
+        self.fold, self.warm = fold, warm
         super().__init__(Ending.FOLDED, fold.finding)
 
 
@@ -99,6 +86,7 @@ class Stride:
         strained: increments of strain by body.
         speed: of the control.
         error: see `PathStep.error`.
+        warm: what its solves leave to another attempt.
     """
 
     flow: Flow
@@ -108,17 +96,19 @@ class Stride:
     strained: Fields
     speed: float
     error: float
+    warm: WarmStart
 
 
-@dataclass
+Solved = tuple[Flow, float, WarmStart]
+"""A flow, the speed of the control, and the start of the next solve."""
+
+
+@dataclass(frozen=True)
 class Walk:
-    """What does not change along a path, and what is known of a step.
+    """What does not change along a path until new meshes are made.
 
     Attributes:
         stage, gauge, settings, selection: of the path.
-        solves: of the step so far.
-        before: velocity of the step before by body; None at the beginning.
-        pressed: reactions of the last solve of the step; None before the first.
         solving: called before each solve of a step, with None, and after it, with its state.
     """
 
@@ -126,9 +116,6 @@ class Walk:
     gauge: Gauge
     settings: Mapping[str, Any]
     selection: LeastNorm | None = None
-    solves: int = field(default=0)
-    before: Fields | None = None
-    pressed: Floats | None = None
     solving: Callable[[Stage, Moment, LimitState | None], None] = lambda *given: None
 
     @property
@@ -136,25 +123,22 @@ class Walk:
         """Of the largest body, m."""
         return max(body.size for body in self.stage.bodies.values())
 
-    def flow(self, moment: Moment) -> tuple[Flow, float]:
-        """The flow at a moment, and the speed of the control.
+    def flow(self, moment: Moment, warm: WarmStart) -> Solved:
+        """Solve at a moment.
 
         Raises:
             PathEndError: there is no certified answer, no mesh, or the control stands still.
         """
         require_upright(self.stage, moment.at)
-        _require_unfolded(self.stage, moment.begin, moment.at)
+        _require_unfolded(self.stage, moment.begin, moment.at, warm)
         try:
-            moment = replace(moment, pressed=self.pressed)
-            before = self.before if self.pressed is None else None
             self.solving(self.stage, moment, None)
-            found = flow(self.stage, moment, self.settings, before)
+            found = flow(self.stage, moment, self.settings, warm)
         except InputError as wrong:
             ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
             raise PathEndError(ending, refused(wrong)) from wrong
         state = found.state
         self.solving(self.stage, moment, state)
-        self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
             obstacles, bodies = self.stage.obstacles_at(moment.at), self.stage.bodies_at(moment.at)
@@ -167,51 +151,55 @@ class Walk:
             raise PathEndError(Ending.NO_CONTACT, tools)
         if state.status is not Status.SOLVED or state.point is None:
             way_out = [] if state.status is Status.UNSAFE else [Finding(Kind.OTHER_SHAPES)]
-            why = replace(state.unanswered(state.backend), severity=Severity.REASON)
+            why = state.unanswered(state.backend, Severity.REASON)
             raise PathEndError(Ending.NOT_SOLVED, why, *way_out)
-        self.pressed = np.maximum(state.point.normal_reaction, 0.0)
+        warm = warm.after(state)
         if self.selection is not None:
             selected = least_norm(state, self.selection.within)
-            self.solves += 0 if selected is None else selected.solves
+            warm = replace(warm, solves=warm.solves + (0 if selected is None else selected.solves))
             found = replace(found, selected=selected)
         speed = self.gauge(state.discretisation, found.motion)
         if speed <= _STILL * float(np.abs(found.motion).max()):
             slow = Finding(Kind.SPEED, values={"speed": float(speed)})
             raise PathEndError(Ending.STANDSTILL, slow)
-        return found, speed
+        return found, speed, warm
 
-    def require_safe(self, here: Here, distance: float) -> None:
+    def require_safe(self, here: Here, distance: float) -> int:
         """Dead loads must not collapse the bodies as strong as they are now.
 
         Hardening within the step would catch them, in a jump that no step size resolves. Where
         nothing does, the step itself is unsafe.
 
+        Returns:
+            Solves that it took.
+
         Raises:
             PathEndError: they do.
         """
         if not (self.stage.problem.dead_loads and self.stage.catches):
-            return
+            return 0
         now = Moment(here.configuration, here.configuration, distance / here.speed, 0.0)
         state = flow(self.stage, now, self.settings).state
-        self.solves += state.outer_iterations
         if state.status is Status.UNSAFE:
-            why = replace(state.unanswered(state.backend), severity=Severity.REASON)
+            why = state.unanswered(state.backend, Severity.REASON)
             raise PathEndError(Ending.NOT_SOLVED, why)
+        return state.outer_iterations
 
     def timed(
-        self, here: Here, at: Configuration, distance: float, share: float
-    ) -> tuple[Flow, float]:
+        self, here: Here, at: Configuration, distance: float, share: float, warm: WarmStart
+    ) -> Solved:
         """The flow of a step that covers a distance, from a first guess of the speed."""
         speed = here.speed * min(max(here.growth, 0.5), 2.0)
-        found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
+        found, own, warm = self.flow(Moment(here.configuration, at, distance / speed, share), warm)
         for _ in range(_GUESSES):
             program = found.state.discretisation.program
             same = _SAME_DURATION if program.contact.closing is None else _CLOSING_DURATION
             if program.homogeneous or abs(speed / own - 1) <= same:
                 break
             speed = own
-            found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
-        return found, own
+            moment = Moment(here.configuration, at, distance / speed, share)
+            found, own, warm = self.flow(moment, warm)
+        return found, own, warm
 
 
 def _gain(stage: Stage, at: Configuration) -> float:
@@ -226,24 +214,24 @@ def _gain(stage: Stage, at: Configuration) -> float:
     return max(gains)
 
 
-Scheme = Callable[[Walk, Here, float], Stride]
+Scheme = Callable[[Walk, Here, float, WarmStart], Stride]
 """The stride over a distance of the control from where the bodies are."""
 
 
-def explicit(walk: Walk, here: Here, distance: float) -> Stride:
+def explicit(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
     """Solved where the step begins; hardening within the step is not seen."""
-    found, speed = walk.timed(here, here.configuration, distance, 0.0)
-    return _stride(walk, here, found, speed, distance, here.travel)
+    solved = walk.timed(here, here.configuration, distance, 0.0, warm)
+    return _stride(walk, here, solved, distance, here.travel)
 
 
-def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
+def leapfrog(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
     """Solved half a step ahead, by the velocity of the step before.
 
     The strain there is that of the rate a quarter of a step ahead, between the rate before, of the
     middle of a step or of the beginning of the path, and the one that is solved for.
     """
     before = _BEFORE if here.velocity is not None else _BEFORE_FIRST
-    here = _started(walk, here, distance)
+    here, warm = _started(walk, here, distance, warm)
     assert here.velocity is not None
     assert here.strain_rate is not None
     ahead = distance / here.speed / 2
@@ -252,15 +240,15 @@ def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
     )
     still, strained = _scaled(here.velocity, 0.0), _scaled(here.strain_rate, before * ahead)
     known = replace(here, configuration=here.configuration.moved(still, strained))
-    found, speed = walk.timed(known, middle, distance, (1 - before) / 2)
-    stride = _stride(walk, here, found, speed, distance, here.travel + distance / 2)
-    return replace(stride, load=found.lasting(stride.duration))
+    solved = walk.timed(known, middle, distance, (1 - before) / 2, warm)
+    stride = _stride(walk, here, solved, distance, here.travel + distance / 2)
+    return replace(stride, load=stride.flow.lasting(stride.duration))
 
 
-def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
+def implicit_midpoint(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
     """Solved half way to the end, which it finds by iteration; the load is that at the end."""
-    here = _started(walk, here, distance)
-    found, speed = _settled(walk, here, distance, 0.5)
+    here, warm = _started(walk, here, distance, warm)
+    found, speed, warm = _settled(walk, here, distance, 0.5, warm)
     duration = distance / speed
     strained = found.hencky_strain(duration)
     if not all(np.all(np.isfinite(values)) for values in strained.values()):
@@ -268,27 +256,26 @@ def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
         raise PathEndError(Ending.NOT_ITERATED, strained_off)
     end = here.configuration.moved(_scaled(found.velocity, duration), strained)
     require_upright(walk.stage, end)
-    _require_unfolded(walk.stage, here.configuration, end)
-    load, _ = walk.flow(Moment(end, end, duration, 0.0))
+    _require_unfolded(walk.stage, here.configuration, end, warm)
+    load, _, warm = walk.flow(Moment(end, end, duration, 0.0), warm)
     error = _change(walk, here, found, distance, speed)
-    return Stride(found, load, here.travel + distance, duration, strained, speed, error)
+    return Stride(found, load, here.travel + distance, duration, strained, speed, error, warm)
 
 
-def implicit_euler(walk: Walk, here: Here, distance: float) -> Stride:
+def implicit_euler(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
     """Solved at the end, which it finds by iteration."""
-    here = _started(walk, here, distance)
-    found, speed = _settled(walk, here, distance, 1.0)
-    return _stride(walk, here, found, speed, distance, here.travel + distance)
+    here, warm = _started(walk, here, distance, warm)
+    solved = _settled(walk, here, distance, 1.0, warm)
+    return _stride(walk, here, solved, distance, here.travel + distance)
 
 
-def _stride(
-    walk: Walk, here: Here, found: Flow, speed: float, distance: float, at: float
-) -> Stride:
+def _stride(walk: Walk, here: Here, solved: Solved, distance: float, at: float) -> Stride:
     """A step that moves the bodies by a flow, which is also its load, for the travel `at`."""
+    found, speed, warm = solved
     duration = distance / speed
     strained = _scaled(found.strain_rate, duration)
     error = _change(walk, here, found, distance, speed)
-    return Stride(found, found, at, duration, strained, speed, error)
+    return Stride(found, found, at, duration, strained, speed, error, warm)
 
 
 SCHEMES: Mapping[str, Scheme] = {
@@ -319,25 +306,26 @@ def require_upright(stage: Stage, configuration: Configuration) -> float:
     return least
 
 
-def _require_unfolded(stage: Stage, before: Configuration, after: Configuration) -> None:
+def _require_unfolded(
+    stage: Stage, before: Configuration, after: Configuration, warm: WarmStart
+) -> None:
     """Raise `FoldedError` where a body comes to touch itself as it moves."""
     if before is not after:
         fold = first_fold(stage.meshes_at(before), stage.meshes_at(after), stage.pairs)
         if fold is not None:
-            raise FoldedError(fold)
+            raise FoldedError(fold, warm)
 
 
-def _started(walk: Walk, here: Here, distance: float) -> Here:
+def _started(walk: Walk, here: Here, distance: float, warm: WarmStart) -> tuple[Here, WarmStart]:
     """At the beginning of a path, with the velocity there."""
     if here.velocity is not None:
-        return here
-    found, speed = walk.timed(here, here.configuration, distance, 0.5)
-    return Here(
-        here.step, here.travel, here.configuration, found.velocity, found.strain_rate, speed
-    )
+        return here, warm
+    found, speed, warm = walk.timed(here, here.configuration, distance, 0.5, warm)
+    moving = found.velocity, found.strain_rate, speed
+    return Here(here.step, here.travel, here.configuration, *moving), warm
 
 
-def _settled(walk: Walk, here: Here, distance: float, share: float) -> tuple[Flow, float]:
+def _settled(walk: Walk, here: Here, distance: float, share: float, warm: WarmStart) -> Solved:
     """The flow at a share of the step that it makes itself.
 
     Raises:
@@ -370,14 +358,15 @@ def _settled(walk: Walk, here: Here, distance: float, share: float) -> tuple[Flo
     speed, changes, closest = here.speed, [np.inf], None
     values = packed(here.velocity, here.strain_rate, distance / speed)
     for _ in range(_ITERATIONS):
-        found, speed = walk.flow(Moment(begin, unpacked(values), distance / speed, share))
+        moment = Moment(begin, unpacked(values), distance / speed, share)
+        found, speed, warm = walk.flow(moment, warm)
         image = packed(found.velocity, found.strain_rate, distance / speed)
         changes.append(float(np.abs(image - values).max()) / size)
         if closest is None or changes[-1] <= min(changes):
             closest = found, speed
         stalled = len(changes) > _PATIENCE and min(changes[-_PATIENCE:]) > min(changes)
         if changes[-1] <= _CLOSE or (stalled and min(changes) <= _NOISE):
-            return closest
+            return *closest, warm
         values = mixing.step(values, image)
     raise PathEndError(Ending.NOT_ITERATED)
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -14,40 +12,32 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
-from lacore.paths.attempts import whole_or_to_fold
-from lacore.paths.contact.folding import FOLDED
-from lacore.paths.contact.overlap import corner_inside
-from lacore.paths.control import Control, FootingTravel, ToolTravel, driven_by, gauge_of, unit_of
-from lacore.paths.ending import Ending
+from lacore.paths.control import (
+    Control,
+    FootingTravel,
+    Gauge,
+    ToolTravel,
+    driven_by,
+    gauge_of,
+    unit_of,
+)
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.hooks.calling import Caller, GivenHook, known_hooks
-from lacore.paths.hooks.hook import AFTER_REMESHING, AFTER_STEP, BEFORE_REMESHING, BEFORE_STEP
 from lacore.paths.logbook import Log
 from lacore.paths.pace import AdaptiveSteps, Pace
 from lacore.paths.path import Path, PathStep
 from lacore.paths.renewal.mesher import Remeshing
-from lacore.paths.renewal.remeshing import (
-    NewMeshes,
-    Remesh,
-    again,
-    carried,
-    described,
-    distorted,
-    new_meshes,
-    restaged,
-    transfer_text,
-)
-from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, refused
+from lacore.paths.renewal.remeshing import Remesh, again, described
+from lacore.paths.schemes import SCHEMES, Here, Walk
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
 from lacore.paths.steady import Steady
+from lacore.paths.stepping import Plan, follow
 from lacore.paths.stored.checkpoint import Checkpoint, identity
+from lacore.paths.stored.progress import Progress
 from lacore.paths.tools.overlap import require_apart
-from lacore.paths.tools.tool import Tool, require_own_travel, tooling
+from lacore.paths.tools.tool import Tool, Tooling, require_own_travel, tooling
 from lacore.problem.problem import Problem
-from lacore.reporting.findings import Finding, Severity
-from lacore.reporting.kinds import Kind
-from lacore.reporting.text import Quantity, text
 
 
 @typed()
@@ -140,28 +130,13 @@ def sequential(
         >>> path.history.load_factor.round(2).tolist()  # 2 k ln(b/a) of the tube that it has become
         [1.31, 1.18]
     """
-    require_positive("travel", travel)
-    require_known("scheme", scheme, SCHEMES)
-    if not isinstance(steps, AdaptiveSteps):
-        require_count("steps", steps)
-    require_count("keep_every", keep_every)
-    if tolerance is not None:
-        require_positive("tolerance", tolerance)
+    _check(travel, steps, scheme, keep_every, tolerance)
     engine, _, _ = engine_for(backend, coupling, options or {})
+    _check_coupling(coupling)
     require_selection(selection, engine)
-    if coupling is not None and COUPLINGS[coupling].dilates:
-        raise InputError(
-            "coupling",
-            coupling,
-            "sliding would lift bodies off, and each other step would be without friction",
-            "take 'certified'",
-        )
     given_hooks = known_hooks(hooks)
     tooled = tooling(problem, tools or {})
-    if tooled.moves and isinstance(control, ToolTravel):
-        require_own_travel(control, tooled)
-    if control is None:
-        control = tooled.travel if tooled.moves else FootingTravel()
+    control = _control(control, tooled)
     drives = tooled.drives or driven_by(control, problem)
     stage = staged(problem, approaching, drives, tooled)
     require_apart(stage.obstacles, stage.bodies)
@@ -174,23 +149,22 @@ def sequential(
         "tolerance": tolerance,
         "options": options or {},
     }
-    walk, pace = Walk(stage, gauge, settings, selection), Pace(steps, travel)
-    log = Log(stage, gauge, keep_every, unit_of(control))
+    said = {
+        "travel": travel,
+        "steps": steps,
+        "scheme": scheme,
+        "control": control,
+        "selection": selection,
+        "keep_every": keep_every,
+        "remesh": described(remesh),
+        "until": until,
+    }
+    pace, log = Pace(steps, travel), Log(stage, gauge, keep_every, unit_of(control))
     with ExitStack() as opened:
-        kept, progress = None, None
+        save, progress = _unsaved, None
         if checkpoint is not None:
-            said = {
-                "travel": travel,
-                "steps": steps,
-                "scheme": scheme,
-                "control": control,
-                "selection": selection,
-                "keep_every": keep_every,
-                "remesh": described(remesh),
-                "until": until,
-            }
             kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
-            progress = kept.load(stage.start)
+            save, progress = kept.save, kept.load(stage.start)
         if progress is None:
             first = discretised(stage, Moment(stage.start, stage.start, 1.0, 0.0))
             here = Here(0, 0.0, stage.start, None, None, first.natural.velocity)
@@ -198,175 +172,62 @@ def sequential(
         else:
             here = progress.here
             pace.resume(progress.step)
-            log.resume(progress)
-            for made in progress.made:
-                stage, control = again(walk.stage, control, made)
-                walk = Walk(stage, control.gauge(stage.problem), settings, selection)
-                log.enter(stage, walk.gauge, made)
-        walk.selection = drift.selection_after(log.events, selection)
+            stage, gauge, control = _resumed(progress, stage, gauge, control, log)
         call = Caller(given_hooks, log, settings, here)
-        walk.solving = call.solving
-        try:
-            while (distance := pace.distance(here.travel)) > 0:
-                if until is not None and (found := _steady(log, until, settings)) is not None:
-                    return call.end(found)
-                fresh = bool(log.later) and log.later[-1][0] == here.step + 1
-                poor = [] if fresh else distorted(remesh, walk.stage, here.configuration)
-                try:
-                    if not poor:
-                        call(BEFORE_STEP, here)
-                        here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
-                    renewed = bool(poor)
-                except PathEndError as stop:
-                    if remesh is None or fresh or stop.ending is not Ending.INVERSION:
-                        raise
-                    log.inversion(here, stop)
-                    renewed = True
-                if renewed and remesh is not None:
-                    moved = carried(control, walk.stage, here.configuration)
-                    call(BEFORE_REMESHING, here)
-                    walk, here = _remeshed(walk, here, distance, remesh, poor, moved, log)
-                    control = moved
-                    call(AFTER_REMESHING, here)
-                    continue
-                if kept is not None:
-                    kept.save(log.progress(here, pace.next))
-                call(AFTER_STEP, here)
-                if on_step is not None:
-                    on_step(log.rows[-1])
-        except PathEndError as stop:
-            if stop.ending is Ending.INVERSION:
-                log.inversion(here, stop)
-            return call.end(log.path(stop.ending, stop.findings, settings))
-    return call.end(log.path(drift.ending(log.events), (), settings))
+        selects = drift.selection_after(log.events, selection)
+        walk = Walk(stage, gauge, settings, selects, call.solving)
+        plan = Plan(SCHEMES[scheme], remesh, until, save, on_step or (lambda row: None))
+        return call.end(*follow(walk, control, here, plan, pace, log, call))
 
 
-def _steady(log: Log, until: Steady, settings: Mapping[str, Any]) -> Path | None:
-    """The path so far, if it has become steady."""
-    found = log.path(Ending.RUNNING, (), settings).steady(until)
-    why = replace(found.finding, severity=Severity.REASON)
-    return log.path(Ending.STEADY, (why,), settings) if found.reached else None
+def _check(
+    travel: float,
+    steps: int | AdaptiveSteps,
+    scheme: str,
+    keep_every: int,
+    tolerance: float | None,
+) -> None:
+    """Check what needs no problem."""
+    require_positive("travel", travel)
+    require_known("scheme", scheme, SCHEMES)
+    if not isinstance(steps, AdaptiveSteps):
+        require_count("steps", steps)
+    require_count("keep_every", keep_every)
+    if tolerance is not None:
+        require_positive("tolerance", tolerance)
 
 
-def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:
-    """The next place, after as many attempts as the pace asks for."""
-    begin = time.perf_counter()
-    for event in log.events:
-        if event.kind == FOLDED and event.step == here.step:
-            folded = Finding(Kind.EVENT, (), {"what": event.what}, Severity.DETAIL)
-            raise PathEndError(Ending.FOLDED, folded)
-    # Reactions of the step before are too far off, its slip is where to look for them.
-    walk.solves, walk.pressed, walk.before = 0, None, here.velocity
-    walk.require_safe(here, distance)
-    stride, there, jacobian, fold = whole_or_to_fold(walk, scheme, here, distance, pace)
-    if _begins_to_drift(walk, stride, there, there.travel - here.travel, log):
-        walk.selection = LeastNorm()
-        return _step(walk, scheme, here, distance, pace, log)
-    distance = there.travel - here.travel
-    pace.learn(distance, stride.error)
-    volume = _volume(walk.stage, there)
-    _require_apart(walk.stage, there)
-    log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
-    if fold is not None:
-        log.event(FOLDED, there.step, here.travel + fold.share * distance, text("{}", fold.finding))
-    return there
+def _check_coupling(coupling: str | None) -> None:
+    """Check a coupling that there is."""
+    if coupling is not None and COUPLINGS[coupling].dilates:
+        raise InputError(
+            "coupling",
+            coupling,
+            "sliding would lift bodies off, and each other step would be without friction",
+            "take 'certified'",
+        )
 
 
-def _begins_to_drift(walk: Walk, stride: Stride, there: Here, distance: float, log: Log) -> bool:
-    """Whether bodies begin to drift; an event once per path, or where no velocity is selected."""
-    selects, kinds = walk.selection is not None, {event.kind for event in log.events}
-    if selects and stride.flow.selected is None:
-        what = "the solver finds no admissible one: the velocity as solved is taken"
-        log.event(drift.LOST, there.step, there.travel, what)
-        return False
-    if {drift.DRIFTS, drift.SELECTED} & kinds:
-        return False
-    looked = selects or drift.due(log.rows, stride.error, distance)
-    if looked and (said := drift.described(stride.flow)):
-        kind = drift.SELECTED if selects else drift.DRIFTS
-        log.event(kind, there.step, there.travel, said)
-        if not selects and (late := drift.too_late(log.last)):
-            log.event(drift.LATE, there.step, there.travel, late)
-        return not selects
-    return False
+def _control(control: Control | None, tooled: Tooling) -> Control:
+    """Return the control of a path: by default that of its tools, or of the footing."""
+    if tooled.moves and isinstance(control, ToolTravel):
+        require_own_travel(control, tooled)
+    if control is not None:
+        return control
+    return tooled.travel if tooled.moves else FootingTravel()
 
 
-def _remeshed(
-    walk: Walk,
-    here: Here,
-    distance: float,
-    remesh: Remesh,
-    poor: Sequence[str],
-    control: Control,
-    log: Log,
-) -> tuple[Walk, Here]:
-    """The same place on new meshes, those of `poor` bodies, or of all where none is.
-
-    Raises:
-        PathEndError: they cannot be taken.
-    """
-    old = walk.stage
-    try:
-        meshes = new_meshes(remesh, old, here.configuration, poor, control)
-    except Exception as error:  # of others: what was found so far must not be lost with it
-        values = {"error": text("{}: {}", type(error).__name__, getattr(error, "text", error))}
-        failed = Finding(Kind.REMESHING_FAILED, (), values, Severity.REASON)
-        raise PathEndError(Ending.NOT_REMESHED, failed) from error
-    try:
-        stage, configuration = restaged(old, here.configuration, meshes)
+def _resumed(
+    progress: Progress, stage: Stage, gauge: Gauge, control: Control, log: Log
+) -> tuple[Stage, Gauge, Control]:
+    """Return the stage, gauge and control of a path so far, on its last meshes."""
+    log.resume(progress)
+    for made in progress.made:
+        stage, control = again(stage, control, made)
         gauge = control.gauge(stage.problem)
-    except InputError as wrong:
-        why = replace(refused(wrong), severity=Severity.REASON)
-        raise PathEndError(Ending.NOT_REMESHED, why) from wrong
-    there = Here(here.step, here.travel, configuration, None, None, here.speed)
-    after = Walk(stage, gauge, walk.settings, walk.selection, solving=walk.solving)
-    loads = [
-        _load(own, Moment(at, at, distance / here.speed, 0.0))
-        for own, at in ((walk, here.configuration), (after, configuration))
-    ]
-    volumes = [_volume(old, here), _volume(stage, there)]
-    jumps = [now / before - 1 for before, now in (volumes, loads)]
-    counts = ", ".join(f"{name} has {mesh.nelements} elements" for name, mesh in meshes.items())
-    strains = transfer_text(old, here.configuration, stage, configuration, list(meshes))
-    what = (
-        f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} (relative); {strains}"
-    )
-    log.enter(stage, gauge, NewMeshes(here.step + 1, here.configuration.nodes, dict(meshes)))
-    log.event("remeshed", here.step + 1, here.travel, what)
-    return after, there
+        log.enter(stage, gauge, made)
+    return stage, gauge, control
 
 
-def _load(walk: Walk, moment: Moment) -> float:
-    """At a moment; NaN where there is none."""
-    try:
-        return walk.flow(moment)[0].load_factor
-    except PathEndError as stop:
-        if stop.ending is Ending.STOPPED:
-            raise
-        return float("nan")
-
-
-def _require_apart(stage: Stage, there: Here) -> None:
-    """Raise `PathEndError` where a corner of one body is inside another."""
-    if not stage.pairs:
-        return
-    bodies = stage.plane_bodies_at(there.configuration)
-    if (found := corner_inside(stage.pairs, bodies)) is not None:
-        pair, depth, (x, y) = found
-        place = Quantity((float(x), float(y)), "m", ".4g")
-        values = {"depth": Quantity(float(depth), "m", ".3g"), "place": place}
-        inside = Finding(Kind.CORNER_INSIDE, (pair.name,), values, Severity.DETAIL)
-        raise PathEndError(Ending.PENETRATION, inside)
-
-
-def _volume(stage: Stage, there: Here) -> float:
-    """Of all bodies, m^3.
-
-    Raises:
-        PathEndError: they are no bodies any more: elements overlap.
-    """
-    try:
-        now = stage.dofs_at(there.configuration)
-    except InputError as wrong:
-        raise PathEndError(Ending.OVERLAP, refused(wrong)) from wrong
-    return sum(float(dofs.weights.sum()) for dofs in now.values())
+def _unsaved(progress: Progress) -> None:
+    """Keep nothing."""

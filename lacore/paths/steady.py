@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, require_positive
 from lacore.paths.renewal.transfer import at_places
-from lacore.reporting.findings import Finding
+from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity
 from lacore.showing import Compact
@@ -97,20 +97,18 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
     """Judge the end of a path."""
     travel, force = (path.history[name].to_numpy(dtype=float) for name in ("travel", "force"))
     if travel.size <= _LEAST:
-        few = {"least": _LEAST, "steps": travel.size}
-        return _not_reached(Finding(Kind.FEW_STEPS, values=few))
+        return _not_reached(Kind.FEW_STEPS, least=_LEAST, steps=travel.size)
     so_far = float(path.history["end"].iloc[-1])
     window = so_far / 3 if criterion.window is None else criterion.window
     first = int(np.searchsorted(travel, so_far - window))
     if first < 1 or travel.size - first < _LEAST:
-        covered = travel.size - max(first, 0)
-        unusable = {
-            "window": _length(path, window),
-            "covered": covered,
-            "steps": travel.size,
-            "least": _LEAST,
-        }
-        return _not_reached(Finding(Kind.WINDOW_NOT_USABLE, values=unusable))
+        return _not_reached(
+            Kind.WINDOW_NOT_USABLE,
+            window=_length(path, window),
+            covered=travel.size - max(first, 0),
+            steps=travel.size,
+            least=_LEAST,
+        )
     drift, mean = drift_of(force[first:]), float(np.mean(force[first:]))
     change = _flow_change(path, travel[first])
     stationary = bool(drift <= criterion.tolerance)  # not so if it is NaN
@@ -123,9 +121,9 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
     values = {"drift": drift, "window": _length(path, window), "change": change}
     values |= {"tolerance": criterion.tolerance, "flow": criterion.flow}
     loads, reached = Finding(Kind.LOAD_DRIFTS, values=values), stationary and flows
-    finding = Finding(Kind.NOT_STEADY, values={"loads": loads})
+    finding = Finding(Kind.NOT_STEADY, (), {"loads": loads}, Severity.REASON)
     if reached:
-        finding = Finding(Kind.STEADY, values={"step": since, "loads": loads})
+        finding = Finding(Kind.STEADY, (), {"step": since, "loads": loads}, Severity.REASON)
     return SteadyState(reached, since, mean, drift, change, finding)
 
 
@@ -143,9 +141,9 @@ def drift_of(loads: Floats) -> float:
     return float(np.ptp(means)) / mean if mean > 0 else float("nan")
 
 
-def _not_reached(finding: Finding) -> SteadyState:
+def _not_reached(kind: Kind, **values: Any) -> SteadyState:
     nan = float("nan")
-    return SteadyState(False, None, nan, nan, nan, finding)
+    return SteadyState(False, None, nan, nan, nan, Finding(kind, (), values, Severity.REASON))
 
 
 def _flow_change(path: Path, travel: float) -> float:

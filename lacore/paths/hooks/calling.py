@@ -1,7 +1,7 @@
 """Call the hooks of a path, and end the path where one raises an exception."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path as File
 from traceback import extract_tb
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.paths.configuration import Configuration
-from lacore.paths.ending import Ending
+from lacore.paths.ending import Ending, PathEndError
 from lacore.paths.flow import Moment
 from lacore.paths.hooks.hook import (
     AFTER_SOLVE,
@@ -21,7 +21,7 @@ from lacore.paths.hooks.hook import (
 )
 from lacore.paths.logbook import Log
 from lacore.paths.path import Path
-from lacore.paths.schemes import Here, PathEndError
+from lacore.paths.schemes import Here
 from lacore.paths.stage import Stage
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
@@ -76,8 +76,10 @@ class Caller:
         when = BEFORE_SOLVE if state is None else AFTER_SOLVE
         self._call(when, self.here.step + 1, stage, moment.at, state)
 
-    def end(self, path: Path) -> Path:
-        """Call the hooks at the end of a path; return it, with a note if one of them fails."""
+    def end(self, ending: Ending, findings: tuple[Finding, ...]) -> Path:
+        """Call the hooks at the end of a path; return it, with a note of each one that fails."""
+        path = self.log.path(ending, findings, self.settings)
+        reached, failed = ending in (Ending.REACHED, Ending.STEADY), list[Finding]()
         last = path.snapshots[-1]
         row = self.log.rows[-1] if self.log.rows else None
         now = PathProgress(END, last.step, last.travel, row, None, lambda: path, path.problem)
@@ -85,12 +87,13 @@ class Caller:
             try:
                 hook.call(now)
             except Exception as error:
-                reached = path.status in (Ending.REACHED, Ending.STEADY)
-                status = Ending.STOPPED if reached else path.status
-                severity = Severity.DETAIL if reached else Severity.WARNING
-                failed = replace(_described(hook, END, error), severity=severity)
-                path = replace(path, status=status, findings=(*path.findings, failed))
-        return path
+                first = reached and not failed
+                severity = Severity.DETAIL if first else Severity.WARNING
+                failed.append(_described(hook, END, error, severity))
+        if not failed:
+            return path
+        status = Ending.STOPPED if reached else ending
+        return self.log.path(status, (*findings, *failed), self.settings)
 
     def _of(self, when: str) -> list[Hook]:
         return [hook for hook in self.hooks if hook.when == when]
@@ -105,22 +108,24 @@ class Caller:
     ) -> None:
         row = self.log.rows[-1] if self.log.rows else None
         now = PathProgress(
-            when, step, self.here.travel, row, state, self._so_far, lambda: stage.at(at)
+            when, step, self.here.travel, row, state, self.so_far, lambda: stage.at(at)
         )
         for hook in self._of(when):
             try:
                 hook.call(now)
             except Exception as error:  # of others: the finished steps must not be lost with it
-                raise PathEndError(Ending.STOPPED, _described(hook, when, error)) from error
+                failed = _described(hook, when, error, Severity.DETAIL)
+                raise PathEndError(Ending.STOPPED, failed) from error
 
-    def _so_far(self) -> Path:
+    def so_far(self) -> Path:
+        """Return the path as hooks see it before it ends."""
         return self.log.path(Ending.RUNNING, (), self.settings)
 
 
-def _described(hook: Hook, when: str, error: Exception) -> Finding:
+def _described(hook: Hook, when: str, error: Exception, severity: Severity) -> Finding:
     """Return which hook failed, with the place in its code."""
     place = extract_tb(error.__traceback__)[-1]
     where = f"{File(place.filename).name}, line {place.lineno}"
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     values = {"hook": hook.name, "when": when, "error": what, "place": where}
-    return Finding(Kind.HOOK_FAILED, (), values, Severity.DETAIL)
+    return Finding(Kind.HOOK_FAILED, (), values, severity)
