@@ -5,6 +5,7 @@ It is small, committed under reports/reference, and a test solves and draws it a
 
 import shutil
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from verification.campaigns.run_all import run_all
 from verification.campaigns.sweep import plan as plan_sweep
 from verification.catalogue.catalogue import catalogue
 from verification.report.blocks import Report
-from verification.report.drawing import Drawn, Subject, draw
+from verification.report.drawing import Drawn, Subject, drawing
 from verification.report.files import write
 from verification.report.page import compared, subjects
 from verification.runs.run import Run
@@ -36,18 +37,21 @@ def runs() -> list[Run]:
     ]
 
 
-def report(store: Path, paint: Callable[[Sequence[Subject]], Drawn]) -> Report:
+def report(
+    store: Path, paint: Callable[[Sequence[Subject]], AbstractContextManager[Drawn]]
+) -> Report:
     """The report of a store, with what `paint` makes of its subjects."""
     outcomes, _ = load_outcomes(store, catalogue())
     (provenance,) = sessions(store).values()
-    return compared(outcomes, provenance, paint(subjects(outcomes, PICTURES)), TITLE)
+    with paint(subjects(outcomes, PICTURES)) as drawn:
+        return compared(outcomes, provenance, drawn, TITLE)
 
 
 def main() -> None:
     """Solve, draw, and replace what is there."""
     shutil.rmtree(FOLDER, ignore_errors=True)
     run_all(runs(), FOLDER / NAME)
-    write(report(FOLDER / NAME, partial(draw, jobs=1)), FOLDER)
+    write(report(FOLDER / NAME, partial(drawing, jobs=1)), FOLDER)
     (FOLDER / f"{NAME}.lock").unlink(missing_ok=True)
 
 

@@ -15,7 +15,7 @@ from lacore.pictures.thumbnails import DPI
 from verification.case import Case
 from verification.case.band import BRACKET
 from verification.report.blocks import Picture, Text
-from verification.report.drawing import Drawn, Figures, Subject, draw, sketch
+from verification.report.drawing import Drawn, Figures, Subject, drawing, sketch
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
 from verification.store.provenance import code_version
@@ -121,10 +121,10 @@ class Kept:
                 found[subject.name] = Text(
                     "This picture was not drawn. `make docs` draws all.", soft=True
                 )
-        new = draw(todo, jobs=os.cpu_count() or 1)
-        for subject in todo:
-            self._keep(subject, new[subject.name])
-        return {**found, **new}
+        with drawing(todo, jobs=os.cpu_count() or 1) as new:
+            for subject in todo:
+                self._keep(subject, new[subject.name])
+            return {**found, **new}
 
     def _file(self, subject: Subject) -> Path:
         source = Path(inspect.getfile(subject.case.build)).read_bytes()

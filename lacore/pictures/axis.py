@@ -3,14 +3,18 @@
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
 from collections.abc import Iterable, Sequence
-from math import floor, log10
+from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation
+from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation, NullLocator
 
 from lacore.reporting.units import Units
 
@@ -83,6 +87,40 @@ class PowerFormatter(LogFormatterSciNotation):
         return power(x) if super().__call__(x, pos) else ""
 
 
+def colour_bar(colours: ScalarMappable, axes: Axes, label: str = "", shrink: float = 0.85) -> None:
+    """Draw a colour bar to the right of axes, in the plane or in space.
+
+    A logarithmic one that spans a decade has no ticks between powers of ten: together they would
+    take as long to draw as all else.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    scale = colours.norm
+    logarithmic = isinstance(scale, LogNorm)
+    bar = figure.colorbar(
+        colours,
+        ax=axes,
+        shrink=shrink,
+        pad=0.12 if axes.name == "3d" else 0.01,
+        aspect=25,
+        extend="min" if logarithmic else "neither",
+        format=PowerFormatter() if logarithmic else None,
+    )
+    if logarithmic:
+        _thin(bar, scale)
+    bar.set_label(label, fontsize=8)
+    bar.ax.tick_params(labelsize=8, which="both")
+
+
+def _thin(bar: Colorbar, scale: LogNorm) -> None:
+    """Remove minor ticks of a colour bar between two powers of ten; else label them alike."""
+    powers = floor(log10(scale.vmax)) - ceil(log10(scale.vmin)) + 1
+    if powers > 1:
+        bar.minorlocator = NullLocator()
+    else:
+        bar.minorformatter = PowerFormatter()
+
+
 def draw_axis(axes: Axes, bodies: Iterable[Stated]) -> list[Line2D]:
     """The axis, where there is one near, and its entry in a legend."""
     if not any(body.axisymmetric and body.box[0][0] <= _FAR * body.size for body in bodies):
@@ -98,4 +136,7 @@ def lay_out(figure: Figure) -> None:
     """
     engine = figure.get_layout_engine()
     if engine is not None:
+        # Without a canvas of pixels, each layout and each saving measures all texts anew.
+        if not isinstance(figure.canvas, FigureCanvasAgg):
+            FigureCanvasAgg(figure)
         engine.execute(figure)

@@ -16,7 +16,7 @@ from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import mesh_of
 from lacore.arrays import Floats
 from lacore.meshes.solid.faces import face_corners
-from lacore.pictures.axis import PowerFormatter, label_lengths
+from lacore.pictures.axis import colour_bar, label_lengths
 from lacore.pictures.space.drawing import space
 from lacore.pictures.space.surface import fill_faces
 from lacore.reporting.units import Units
@@ -101,10 +101,7 @@ def _draw_in_space(
     facets = mesh.boundary_facets()
     colours = scale.to_rgba(part[mesh.f2t[0, facets]])[:, :3]
     fill_faces(axes, mesh, face_corners(mesh, facets), colours)
-    bar = figure.colorbar(
-        scale, ax=axes, shrink=0.6, pad=0.12, aspect=25, extend="min", format=PowerFormatter()
-    )
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(scale, axes, shrink=0.6)
     return axes
 
 
@@ -124,8 +121,5 @@ def _draw(figure: Figure, cell: SubplotSpec, mesh: MeshTri, shares: Floats, unit
     axes.set_aspect("equal")
     axes.tick_params(labelsize=8)
     label_lengths(axes, "xy", units)
-    bar = figure.colorbar(
-        picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min", format=PowerFormatter()
-    )
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(picture, axes)
     return axes

@@ -12,7 +12,7 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs, edge_shapes
 from lacore.limit.state import LimitState
 from lacore.meshes.curved import edge_lines
-from lacore.pictures.axis import PowerFormatter, has_axis, superscript
+from lacore.pictures.axis import colour_bar, has_axis, superscript
 from lacore.reporting.units import Units
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
@@ -69,14 +69,8 @@ def draw_continua(
 
 def draw_colour_bar(axes: Axes, faces: PolyCollection, state: LimitState, units: Units) -> None:
     """Draw the colour bar of the dissipation density next to the axes."""
-    figure = axes.figure
-    assert figure is not None
-    bar = figure.colorbar(
-        faces, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min", format=PowerFormatter()
-    )
     density = f"W/{units.length}{superscript(_power(state))} per W of load"
-    bar.set_label(f"dissipation density [{density}]", fontsize=9)
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(faces, axes, f"dissipation density [{density}]")
 
 
 def _power(state: LimitState) -> int:

@@ -17,7 +17,7 @@ from lacore.bodies.continuum.regions.region import Region
 from lacore.bounds.gap_identity import GapIdentity
 from lacore.bounds.lower import LowerBound
 from lacore.meshes.curved import edge_lines, outlines
-from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.axis import colour_bar, draw_axis, label_coordinates
 from lacore.pictures.space.surface import surface_by_name, surface_by_value
 
 _SHADES = ("#efe3c8", "#d9c4a3", "#c9d3c0", "#c2cdd6", "#e3c9bd", "#d8d2e0", "#b8a98f", "#dfe0b9")
@@ -114,9 +114,7 @@ def _coloured(
         _draw_edges(faces, body.mesh)
         faces.set_clim(0.0, largest if largest > 0 else 1.0)
         axes.add_collection(faces)
-    bar = figure.colorbar(faces, ax=axes, shrink=0.85, pad=0.01, aspect=25)
-    bar.set_label(label, fontsize=8)
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(faces, axes, label)
     axes.set_title(title, fontsize=9, loc="left")
     return figure
 

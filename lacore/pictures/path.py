@@ -25,7 +25,7 @@ from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
 from lacore.paths.path import Path, Snapshot
 from lacore.paths.stage import Stage
-from lacore.pictures.axis import draw_axis, label_coordinates, lay_out
+from lacore.pictures.axis import colour_bar, draw_axis, label_coordinates, lay_out
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
 from lacore.reporting.units import FORCES, fitting
@@ -120,18 +120,10 @@ def page(path: Path) -> tuple[Figure, Axes, Axes]:
     figure.set_facecolor("white")
     figure.suptitle(_title(path), fontsize=11, x=0.01, ha="left")
     left, right = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
-    bar = figure.colorbar(
-        ScalarMappable(strain_scale(path), matplotlib.colormaps[_MAP]),
-        ax=left,
-        shrink=0.85,
-        pad=0.01,
-        aspect=25,
-    )
     label = "equivalent strain\naveraged at the vertices"
     if not path.history.empty:
         label += f"\n(maximum at a point: {path.history['max_strain'].max():.3g})"
-    bar.set_label(label, fontsize=8)
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(ScalarMappable(strain_scale(path), matplotlib.colormaps[_MAP]), left, label)
     return figure, left, right
 
 

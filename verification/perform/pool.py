@@ -1,6 +1,6 @@
 """Work on several items in processes, each within a time limit."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack
 from pkgutil import resolve_name
@@ -15,9 +15,14 @@ TOGETHER = 4
 _Item = TypeVar("_Item")
 
 
+def processes(items: int, jobs: int) -> int:
+    """Number of processes that work on items, `jobs` at most; 0: this process does it."""
+    return min(jobs, items // TOGETHER)
+
+
 def answers(
     worker: str, method: str, items: Sequence[_Item], jobs: int, limit: float, isolate: bool
-) -> Iterator[tuple[_Item, Any]]:
+) -> Generator[tuple[_Item, Any]]:
     """Yield each item with the answer to it, or with the exception in place of an answer.
 
     Args:
@@ -29,7 +34,7 @@ def answers(
         isolate: Whether even a few items are done in another process, because they run code of
             others, which could end this one.
     """
-    count = max(int(isolate), min(jobs, len(items) // TOGETHER))
+    count = max(int(isolate), processes(len(items), jobs))
     if count < 1:
         own = resolve_name(worker)()
         for item in items:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pkgutil import resolve_name
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from verification.case import Case, is_of_lacore
 from verification.case.band import BRACKET
 from verification.case.case import described
-from verification.perform.pool import answers
+from verification.perform.pool import answers, processes
 from verification.report.blocks import Picture, Text
 from verification.report.charts.figures import finest_exact, png
 from verification.report.columns import slug
@@ -160,16 +163,77 @@ def _failed(subject: Subject, error: Exception) -> Text:
     )
 
 
-def draw(
-    subjects: Sequence[Subject], jobs: int, on_done: Callable[[str], None] = lambda _: None
-) -> dict[str, Picture | Text]:
-    """Draw subjects in `jobs` processes, and call `on_done` with the caption of each.
+class _Pending(Mapping[str, Picture | Text]):
+    """Pictures that other processes draw: looking one up waits until it is drawn."""
 
-    A few are drawn in this process, except those of user-defined cases, which could end it.
+    def __init__(self, subjects: Sequence[Subject]) -> None:
+        self._pictures: dict[str, Future[Picture | Text]] = {one.name: Future() for one in subjects}
+
+    def add(self, subject: Subject, answer: Any) -> None:
+        """Add what a process answered: a picture, or why there is none."""
+        made = _failed(subject, answer) if isinstance(answer, Exception) else answer
+        self._pictures[subject.name].set_result(made)
+
+    @contextmanager
+    def ended(self) -> Iterator[None]:
+        """Let nobody wait for pictures after an error, which they raise instead."""
+        try:
+            yield
+        except BaseException as error:
+            for waiting in self._pictures.values():
+                if not waiting.done():
+                    waiting.set_exception(error)
+            raise
+
+    def __getitem__(self, name: str) -> Picture | Text:
+        return self._pictures[name].result()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._pictures)
+
+    def __len__(self) -> int:
+        return len(self._pictures)
+
+
+@contextmanager
+def drawing(
+    subjects: Sequence[Subject], jobs: int, on_done: Callable[[str], None] = lambda _: None
+) -> Iterator[Drawn]:
+    """Draw subjects in `jobs` processes while the pages that show them are built.
+
+    A few are drawn in this process, before anything else, except those of user-defined cases, which
+    could end it. matplotlib serves one thread at a time.
+
+    Args:
+        subjects: What to draw.
+        jobs: Processes at most.
+        on_done: Called with the caption of each that is drawn.
+
+    Yields:
+        The pictures; looking one up waits until it is drawn.
     """
-    found: dict[str, Picture | Text] = {}
+    drawn = _Pending(subjects)
     isolate = not all(is_of_lacore(subject.case) for subject in subjects)
-    for subject, answer in answers(_WORKER, "draw", subjects, jobs, _LIMIT, isolate):
-        found[subject.name] = _failed(subject, answer) if isinstance(answer, Exception) else answer
-        on_done(subject.caption)
-    return found
+    found = answers(_WORKER, "draw", subjects, jobs, _LIMIT, isolate)
+    stopped = Event()
+
+    def draw() -> None:
+        with closing(found), drawn.ended():
+            for subject, answer in found:
+                drawn.add(subject, answer)
+                on_done(subject.caption)
+                if stopped.is_set():
+                    return
+
+    if not isolate and processes(len(subjects), jobs) == 0:
+        draw()
+        yield drawn
+        return
+    with ThreadPoolExecutor(1) as pool:
+        ending = pool.submit(draw)
+        try:
+            yield drawn
+        except BaseException:
+            stopped.set()
+            raise
+        ending.result()

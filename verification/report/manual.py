@@ -59,10 +59,10 @@ def write_manual(
         InputError: the folder cannot be written.
     """
     each = most_for(2 * len(cases)) if most is None else most  # of each the problem is drawn, too
-    drawn = pictures_of(subjects(cases, outcomes, each))
     about = list(sessions(file_of(results)).values())[-1]
-    with progress.status("writing the pages"):
+    with pictures_of(subjects(cases, outcomes, each)) as drawn:
         found = manual(cases, outcomes, load_checks(results), about, drawn)
+    with progress.status("writing the pages"):
         return write(found, folder)
 
 

@@ -111,14 +111,15 @@ def compared(
     files = case_files(one.case.id for one in own)
     found, side_by_side = _studies(results)
     pages = {f"studies/{section.id}.html": section for section in found}
+    # Pages in the order in which their pictures are drawn; the index shows all of them.
+    own_pages = {
+        files[one.case.id]: _page(one, drawn, _trail(own, n, files)) for n, one in enumerate(own)
+    }
     index = _index(outcomes, own, files, drawn)
     sections = [*index, *side_by_side, *_more(outcomes, results, pages, machine, programs)]
     return Report(
         {INDEX: Document(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
-        | {
-            files[one.case.id]: _page(one, drawn, _trail(own, n, files))
-            for n, one in enumerate(own)
-        }
+        | own_pages
         | {
             file: Document(
                 section.title, section.lead, [section], solver_filter(outcomes), trail=[_UP]

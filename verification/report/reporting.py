@@ -1,14 +1,15 @@
 """Reports, drawn and written with progress on the terminal."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from verification import progress
 from verification.campaigns.compared_programs import program_files
 from verification.defaults import cores
 from verification.report import page
-from verification.report.drawing import Drawn, Subject, draw, most_for
+from verification.report.drawing import Drawn, Subject, drawing, most_for
 from verification.report.files import write
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
@@ -75,13 +76,18 @@ def write_report(
         InputError: the folder cannot be written.
     """
     cases = len({outcome.run.case.id for outcome in outcomes})
-    drawn = pictures_of(page.subjects(outcomes, most_for(cases) if most is None else most))
+    subjects = page.subjects(outcomes, most_for(cases) if most is None else most)
+    with pictures_of(subjects) as drawn:
+        report = page.compared(outcomes, about, drawn, programs=program_files(folder))
     with progress.status("writing the pages"):
-        programs = program_files(folder)
-        return write(page.compared(outcomes, about, drawn, programs=programs), folder)
+        return write(report, folder)
 
 
-def pictures_of(subjects: Sequence[Subject]) -> Drawn:
-    """Pictures, by as many processes as there are cores."""
-    with progress.patiently("drawing", len(subjects)) as on_done:
-        return draw(subjects, cores(), on_done)
+@contextmanager
+def pictures_of(subjects: Sequence[Subject]) -> Iterator[Drawn]:
+    """Draw pictures by as many processes as there are cores, while the pages are built."""
+    with (
+        progress.patiently("drawing", len(subjects)) as on_done,
+        drawing(subjects, cores(), on_done) as drawn,
+    ):
+        yield drawn

@@ -28,14 +28,16 @@ def sketch(case: Case, variant: Variant, path: Outcome | None) -> Figures:
     else:
         stage, shape = last_shape(path.run, path.evidence)
         small = thumbnail_of_shape(stage, stage, shape)
-    return Figures(sketch_of(case, problem), small)
+    figure = sketch_of(case, problem)
+    freeze(figure, again=case.sketch is not None)
+    return Figures(figure, small)
 
 
 def mechanism(outcome: Outcome) -> Figures:
     """Draw a stored state."""
     state = restored(outcome.run, outcome.row, outcome.evidence)
     figure = state.plot()
-    freeze(figure, lay_out=False)  # laying it out once more would take as long as all else
+    freeze(figure, again=False)  # laying it out once more would take as long as all else
     return Figures(figure, views.thumbnail(state))
 
 

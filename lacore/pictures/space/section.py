@@ -17,7 +17,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bounds.lower import LowerBound
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
-from lacore.pictures.axis import label_lengths
+from lacore.pictures.axis import colour_bar, label_lengths
 from lacore.pictures.mechanism import title_of
 from lacore.pictures.mesh import STRENGTH_USED, strength_used
 from lacore.pictures.space.cut import Cut, Plane, cut_by, plane_of, velocity_in
@@ -147,9 +147,7 @@ def _coloured(
         linewidths=0.35,
     )
     axes.add_collection(polygons)
-    bar = figure.colorbar(polygons, ax=axes, shrink=0.85, pad=0.01, aspect=25)
-    bar.set_label(label, fontsize=8)
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(polygons, axes, label)
     return figure, axes
 
 

@@ -17,6 +17,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.limit.state import LimitState
 from lacore.meshes.solid.faces import face_corners
+from lacore.pictures.axis import colour_bar
 from lacore.pictures.space.drawing import explain, eye, page, space
 from lacore.reporting.units import Units
 
@@ -120,9 +121,7 @@ def _coloured(
     for name, body in bodies.items():
         behind = body.mesh.f2t[0, body.mesh.boundary_facets()]
         fill_faces(axes, body.mesh, corners[name], scale.to_rgba(values[name][behind])[:, :3])
-    bar = figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.12, aspect=25)
-    bar.set_label(label, fontsize=8)
-    bar.ax.tick_params(labelsize=8)
+    colour_bar(scale, axes, label, shrink=0.6)
     return figure
 
 

@@ -1,5 +1,6 @@
 """Failures are stored like other results; interrupted comparisons leave a page and a table."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pandas as pd
@@ -96,7 +97,7 @@ def interrupted(tmp_path, monkeypatch):
 
     words = ("compare", "wall-1", "--backends", ",".join(BACKENDS), "--out", tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr(reporting, "pictures_of", lambda subjects: {})
+        patch.setattr(reporting, "pictures_of", lambda subjects: nullcontext({}))
         patch.setattr(
             "tests.verification.command_line.run_in_order",
             lambda runs, jobs, **more: execute(runs, **more),
@@ -117,7 +118,7 @@ def test_an_interrupted_comparison_writes_what_it_has(interrupted, tmp_path):
 
 
 def test_a_report_completes_the_table_of_a_killed_comparison(tmp_path, runs, monkeypatch):
-    monkeypatch.setattr(reporting, "pictures_of", lambda subjects: {})
+    monkeypatch.setattr(reporting, "pictures_of", lambda subjects: nullcontext({}))
     run_all(runs, tmp_path / NAME, executor=run_in_order)  # killed before it wrote anything else
     assert lacore("report", tmp_path).exit_code == 0
     assert len(pd.read_csv(tmp_path / "results.csv")) == len(runs)
@@ -158,7 +159,7 @@ def test_a_killed_writer_leaves_whole_files(tmp_path):
 
 
 def test_logs_are_files_next_to_the_results(tmp_path, runs, monkeypatch):
-    monkeypatch.setattr(reporting, "pictures_of", lambda subjects: {})
+    monkeypatch.setattr(reporting, "pictures_of", lambda subjects: nullcontext({}))
     folder, other = tmp_path / "results", tmp_path / "other"
     file = f"logs/{runs[0].key}.txt"
 

@@ -14,13 +14,15 @@ from verification.report.charts.theme import BAND, INK, MARKERS, SERIES, freeze,
 from verification.runs.outcome import Outcome
 from verification.verdicts.limit_state import FINDS_NONE
 
+_COMPRESSION = 3  # of 9: half the time of the default, files 8 % larger
+
 
 def png(figure: Figure, dpi: int = 110) -> bytes:
     """A figure as a PNG file."""
     figure.set_dpi(dpi)
     freeze(figure)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi)
+    figure.savefig(buffer, format="png", dpi=dpi, pil_kwargs={"compress_level": _COMPRESSION})
     return buffer.getvalue()
 
 

@@ -11,6 +11,8 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from lacore.pictures.axis import lay_out
+
 INK, SOFT, LINE, PAPER, BAND = "#1c1c1e", "#5f6368", "#dcdcd8", "#ffffff", "#dddddb"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#7a5195", "#8c564b")
 """Colours that colour-blind readers tell apart (Okabe & Ito), and two more."""
@@ -65,15 +67,14 @@ def styled() -> AbstractContextManager[None]:
     return mpl.rc_context(settings)
 
 
-def freeze(figure: Figure, lay_out: bool = True) -> None:
+def freeze(figure: Figure, again: bool = True) -> None:
     """Fix the layout of a figure: saving one that is not fixed finds it twice, and draws it twice.
 
     Args:
         figure: any.
-        lay_out: find it first; False of a figure whose layout is there already.
+        again: find it first; False of a figure whose layout is there already.
     """
-    engine = figure.get_layout_engine()
-    if engine is not None and lay_out:
-        engine.execute(figure)
+    if again:
+        lay_out(figure)
     with mpl.rc_context({"figure.constrained_layout.use": False, "figure.autolayout": False}):
         figure.set_layout_engine(None)  # "none" leaves one that does nothing, but draws
