@@ -107,14 +107,14 @@ def colour_bar(colours: ScalarMappable, axes: Axes, label: str = "", shrink: flo
         format=PowerFormatter() if logarithmic else None,
     )
     if logarithmic:
-        _thin(bar, scale)
+        _thin(bar)
     bar.set_label(label, fontsize=8)
     bar.ax.tick_params(labelsize=8, which="both")
 
 
-def _thin(bar: Colorbar, scale: LogNorm) -> None:
+def _thin(bar: Colorbar) -> None:
     """Remove minor ticks of a colour bar between two powers of ten; else label them alike."""
-    powers = floor(log10(scale.vmax)) - ceil(log10(scale.vmin)) + 1
+    powers = floor(log10(bar.vmax)) - ceil(log10(bar.vmin)) + 1
     if powers > 1:
         bar.minorlocator = NullLocator()
     else:
