@@ -114,7 +114,8 @@ def colour_bar(colours: ScalarMappable, axes: Axes, label: str = "", shrink: flo
 
 def _thin(bar: Colorbar) -> None:
     """Remove minor ticks of a colour bar between two powers of ten; else label them alike."""
-    powers = floor(log10(bar.vmax)) - ceil(log10(bar.vmin)) + 1
+    low, high = bar.ax.get_ylim()
+    powers = floor(log10(high)) - ceil(log10(low)) + 1
     if powers > 1:
         bar.minorlocator = NullLocator()
     else:
