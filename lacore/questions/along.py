@@ -1,4 +1,4 @@
-"""Load factors along a parameter: each asked once, several at a time, kept where that is wanted."""
+"""Load factors along a parameter: each asked once, kept where that is wanted."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,6 @@ from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.kept import Found, digest, keep, recall
-from lacore.questions.sharing import solved
 from lacore.questions.stable import stable
 from lacore.questions.worth import error, worth
 from lacore.showing import counted
@@ -39,7 +38,6 @@ class Along:
     Attributes:
         problem_at: the problem at a value.
         given: what `lacore.solve` is given.
-        workers: solves at a time.
         folder: where they are kept; None: nowhere.
         assembled: makes of a problem what is solved.
         on_value: called with each value and its load factor as it is found.
@@ -49,7 +47,6 @@ class Along:
 
     problem_at: ProblemAt
     given: Mapping[str, Any]
-    workers: int = 1
     folder: Path | None = None
     assembled: Callable[[Problem], Discretisation] = discretise
     on_value: Callable[[float, float], None] | None = None
@@ -60,34 +57,28 @@ class Along:
         """Load factors at values, NaN where none is certified; those that are new are solved."""
         asked = [float(value) for value in dict.fromkeys(values) if float(value) not in self.rows]
         assembled = {value: self._assembled(value) for value in asked}
-        new, stated = [], []
         for value, problem in assembled.items():
             if problem is None:
                 self._note(value, self._without_power(value), kept=False)
             else:
-                new.append(value)
-                stated.append(problem)
-        names, ahead = [], []
-        for value, problem in zip(new, stated, strict=True):
-            names.append(digest(problem.program, self.given) if self.folder else "")
-            known = recall(self.folder, names[-1]) if self.folder else None
-            ahead.append(known is None)
-            if known is not None:
-                self._note(value, known, kept=True)
-        left = [number for number, needed in enumerate(ahead) if needed]
-
-        def told(place: int, state: LimitState) -> None:
-            value = new[left[place]]
-            seconds = state.build_time + state.solve_time
-            residual = float("nan") if state.certificate is None else state.certificate.worst[1]
-            found = Found(worth(state), error(state), state.status.label, residual, seconds)
-            self.states[value] = state
-            self._note(value, found, kept=False)
-            if self.folder and not isnan(found.value):
-                keep(self.folder, names[left[place]], found)
-
-        solved([stated[number] for number in left], self.given, self.workers, told)
+                self._recall(value, problem)
         return [self.rows[float(value)]["load_factor"] for value in values]
+
+    def _recall(self, value: float, problem: Discretisation) -> None:
+        """Note what was kept of the problem at a value, or solve it and keep what is found."""
+        name = digest(problem.program, self.given) if self.folder else ""
+        known = recall(self.folder, name) if self.folder else None
+        if known is not None:
+            self._note(value, known, kept=True)
+            return
+        state = solve(problem, **self.given)
+        seconds = state.build_time + state.solve_time
+        residual = nan if state.certificate is None else state.certificate.worst[1]
+        found = Found(worth(state), error(state), state.status.label, residual, seconds)
+        self.states[value] = state
+        self._note(value, found, kept=False)
+        if self.folder and not isnan(found.value):
+            keep(self.folder, name, found)
 
     def error_at(self, value: float) -> float:
         """Of the load factor at a value that was asked."""

@@ -201,7 +201,6 @@ def critical(
     backend: str = "auto",
     coupling: str | None = None,
     options: Mapping[str, Any] | None = None,
-    workers: int = 1,
     folder: str | Path | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> Critical:
@@ -220,7 +219,6 @@ def critical(
         scan: values between the ends that are asked first, to see more than one change of sides;
             9 where both ends are on one side.
         backend, coupling, options: see `lacore.solve`.
-        workers: solves at a time, of ends and scans.
         folder: where load factors are kept, to be found again; None: nowhere.
         on_value: called with each value and its load factor, for progress.
 
@@ -239,7 +237,7 @@ def critical(
         raise InputError("target", target, "not a load factor", "give a finite number")
     low, high = read_range(within)
     given = {"backend": backend, "coupling": coupling, "options": options}
-    along = Along(problem_at, given, workers, folder_of(folder), on_value=on_value)
+    along = Along(problem_at, given, folder_of(folder), on_value=on_value)
     return crossing(along, low, high, target, tolerance, scan)
 
 

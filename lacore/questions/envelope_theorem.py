@@ -6,7 +6,7 @@ alone; a position meets the stresses, too. So a position has one derivative only
 unique, and a change of strengths, which chooses among mechanisms, says nothing about that.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -52,7 +52,6 @@ def by_multipliers(
     state: LimitState,
     parameters: Sequence[Parameter],
     nearby: Nearby,
-    tell: Callable[[str], None],
 ) -> list[dict[str, Any]]:
     """Rows of derivatives at the state; one-sided where mechanisms or stresses are not unique.
 
@@ -79,7 +78,6 @@ def by_multipliers(
 
             row = two_sided(own, derivative, state.load_factor, at)
         rows.append(row)
-        tell(own.name)
     return rows
 
 

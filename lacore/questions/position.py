@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import inf, nan
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from lacore.errors import InputError, require_count, require_positive, typed
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
-from lacore.questions.kept import folder_of
 from lacore.reporting.findings import Finding, texts
 from lacore.reporting.kinds import Kind
 from lacore.showing import Facts, Picture, Shown, listed
@@ -104,8 +102,6 @@ def worst_position(
     backend: str = "auto",
     coupling: str | None = None,
     options: Mapping[str, Any] | None = None,
-    workers: int = 1,
-    folder: str | Path | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> WorstPosition:
     """Where a moving load, or any other parameter, has the least load factor.
@@ -119,8 +115,6 @@ def worst_position(
         scan: positions that are asked first, at least 3.
         tolerance: of a minimum, per the distance that the load moves.
         backend, coupling, options: see `lacore.solve`.
-        workers: solves at a time, of the scan.
-        folder: where load factors are kept, to be found again; None: nowhere.
         on_value: called with each position and its load factor, for progress.
 
     Raises:
@@ -142,7 +136,7 @@ def worst_position(
     if scan < _LEAST:
         raise InputError("scan", scan, "too few positions for a minimum", f"give {_LEAST} or more")
     given = {"backend": backend, "coupling": coupling, "options": options}
-    along = Along(problem_at, given, workers, folder_of(folder), on_value=on_value)
+    along = Along(problem_at, given, on_value=on_value)
     places = np.linspace(low, high, scan)
     values = np.array(along.ask(places.tolist()))
 

@@ -109,8 +109,6 @@ def _first(names: list[str]) -> tuple[str, ...]:
 def sensitivity(
     state: LimitState,
     own: Mapping[str, tuple[Callable[[float], Problem], float]] | None = None,
-    *,
-    on_parameter: Callable[[str], None] | None = None,
 ) -> Sensitivity:
     """How much a load factor depends on each strength, friction, weight, load and place (T81).
 
@@ -124,7 +122,6 @@ def sensitivity(
         state: solved, of an exact backend.
         own: more parameters by name: the problem at a value, and the value of the state: a span,
             or a width, whose meshes and members change with it but not in number.
-        on_parameter: called with the name of each parameter as it is done, for progress.
 
     Raises:
         InputError: a state without a certified load factor, of a regularised backend, or of a
@@ -142,19 +139,16 @@ def sensitivity(
     _check(state)
     problem = state.discretisation.problem
     parameters = [*parameters_of(problem), *_given(own or {}, state)]
-    tell = on_parameter or (lambda name: None)
     asked = Nearby(state, {"backend": state.backend, "coupling": state.coupling})
     flows = state.discretisation.program
     coulomb = not COUPLINGS[state.coupling].laws and flows.contact.coulomb.any()
     if flows.frictional or coulomb:
         _require_one(state)
-        rows = []
-        for parameter in parameters:
-            rows.append(by_differences(parameter, problem, state.load_factor, asked.load_factor))
-            tell(parameter.name)
+        at = state.load_factor
+        rows = [by_differences(each, problem, at, asked.load_factor) for each in parameters]
         rows = [{**row, "method": DIFFERENCES} for row in rows]
     else:
-        rows = by_multipliers(state, parameters, asked, tell)
+        rows = by_multipliers(state, parameters, asked)
         rows = [{**row, "method": ENVELOPE} for row in rows]
     table = pd.DataFrame(
         [_row(*pair, state.load_factor) for pair in zip(parameters, rows, strict=True)],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram
 from lacore.questions.along import PROBLEM_AT, Along, read_range
 from lacore.questions.critical import Critical, crossing
-from lacore.questions.kept import folder_of
 from lacore.questions.stable import require_dead_loads
 
 OPENING = "pressure that opens all joints, per the one that closes them"
@@ -32,8 +30,6 @@ def limit_thickness(
     scan: int = 0,
     backend: str = "auto",
     options: Mapping[str, Any] | None = None,
-    workers: int = 1,
-    folder: str | Path | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> Critical:
     """The thickness, or any other parameter, at which a structure just stands by itself (T80).
@@ -48,7 +44,7 @@ def limit_thickness(
     Args:
         problem_at: the problem at a value; its dead loads act alone.
         within: where it is looked for, (low, high).
-        tolerance, scan, workers, folder, on_value: see `critical`.
+        tolerance, scan, on_value: see `critical`.
         backend, options: see `lacore.solve`.
 
     Raises:
@@ -69,7 +65,7 @@ def limit_thickness(
     """
     low, high = read_range(within)
     given = {"backend": backend, "coupling": "associated", "options": options}
-    along = Along(problem_at, given, workers, folder_of(folder), on_value=on_value)
+    along = Along(problem_at, given, on_value=on_value)
     along.assembled = _opened
     touching = _touching(along.discretised(low))
     if not touching:

@@ -98,8 +98,6 @@ def costs_of_accuracy(
     results: pd.DataFrame,
     levels: Sequence[float] = LEVELS,
     cost: str = "solve_time",
-    by: Sequence[str] = BY,
-    error: str = "error",
 ) -> pd.DataFrame:
     """The cheapest run of each group whose error is at most a level, for each level.
 
@@ -110,11 +108,9 @@ def costs_of_accuracy(
         results: one row a run.
         levels: of |error|, > 0.
         cost: column.
-        by: columns that make a group.
-        error: column, relative error.
 
     Returns:
-        Columns `by`; ``level``; ``cost``, in the unit of its column, NaN where never; ``run``, id
+        Columns `BY`; ``level``; ``cost``, in the unit of its column, NaN where never; ``run``, id
         of that run where there are any; ``mesh``, ``n_dofs``, ``reached``, |error|, of that run;
         ``closest``, the smallest |error| of the group; ``reason``, why never.
 
@@ -124,12 +120,12 @@ def costs_of_accuracy(
     for level in levels:
         require_positive("level", level)
     told = [name for name in ("run", "mesh", "n_dofs") if name in results.columns]
-    told = [name for name in told if name not in by]
-    require_columns(results, [cost, error])
+    told = [name for name in told if name not in BY]
+    require_columns(results, [cost, "error"])
     rows = []
-    for names, part in groups(results, by):
+    for names, part in groups(results, BY):
         good = says(part, "status", SOLVED)
-        size, price = np.abs(numbers(part, error)), numbers(part, cost)
+        size, price = np.abs(numbers(part, "error")), numbers(part, cost)
         good &= np.isfinite(size) & np.isfinite(price)
         closest = float(size[good].min()) if good.any() else nan
         for level in levels:
@@ -144,7 +140,7 @@ def costs_of_accuracy(
             else:
                 row["reason"] = "never: no certified run with an error"
             rows.append(row)
-    return table(rows, [*by, "level", "cost", *told, "reached", "closest", "reason"])
+    return table(rows, [*BY, "level", "cost", *told, "reached", "closest", "reason"])
 
 
 def couplings(results: pd.DataFrame) -> pd.DataFrame:

@@ -10,7 +10,6 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from lacore.arrays import Floats
-from lacore.errors import require_positive
 from verification.analysis.columns import (
     SOLVED,
     groups,
@@ -97,15 +96,12 @@ def _triple(h: Floats, v: Floats, accuracy: float) -> Extrapolation:
     return Extrapolation(float(v[2] + correction), abs(float(correction)), order)
 
 
-def refinement_limits(
-    results: pd.DataFrame, size: str = "n_elements", dimension: int = 2
-) -> pd.DataFrame:
+def refinement_limits(results: pd.DataFrame) -> pd.DataFrame:
     """Load factors extrapolated to an infinitely fine mesh.
 
     Args:
-        results: one row a run; only those with status ``solved`` count.
-        size: ``n_elements`` or ``n_dofs``, N.
-        dimension: of the mesh: ``h = N**(-1/dimension)``, in which the order is meant.
+        results: one row a run on a plane mesh; only those with status ``solved`` count. The order
+            is meant in ``h = n_elements**(-1/2)``.
 
     Returns:
         One row a group, by all columns that tell runs apart but mesh and its sizes, of those with
@@ -122,8 +118,8 @@ def refinement_limits(
     for key, part in groups(results[says(results, "status", SOLVED)], by):
         if len(part) < 2:
             continue
-        count, values = numbers(part, size), numbers(part, "load_factor")
-        found = asdict(richardson(count ** (-1 / dimension), values))
+        count, values = numbers(part, "n_elements"), numbers(part, "load_factor")
+        found = asdict(richardson(count**-0.5, values))
         limit = {"limit": found.pop("value"), **found}
         reference = numbers(part, "reference")[0]
         finest = values[np.nanargmax(count)] if np.isfinite(count).any() else nan
@@ -202,9 +198,7 @@ def hermite_limit(r: Floats, alpha_reg: Floats, energy: Floats) -> tuple[float, 
     return float(cubic), float(squares)
 
 
-def lambda_limits(
-    results: pd.DataFrame, by: Sequence[str] | None = None, accuracy: float = ACCURACY
-) -> pd.DataFrame:
+def lambda_limits(results: pd.DataFrame, by: Sequence[str] | None = None) -> pd.DataFrame:
     """Extrapolation of lambda in r: one row for each r but the largest of a sweep.
 
     One solve without a loop on reactions, at r and at the next larger one: `hermite_limit`
@@ -218,15 +212,13 @@ def lambda_limits(
         results: one row a run; only solved ones with alpha_reg and energy count, and none of those
             with a penalty of its own (``option_eta``, ...): that one does not follow r.
         by: columns whose equal values make a sweep; None: all that tell runs apart, but r.
-        accuracy: of lambda, relative.
 
     Returns:
         Columns `by` and those of `LambdaLimit`, r falling.
 
     Raises:
-        InputError: no such column, or an accuracy that is not positive.
+        InputError: no such column.
     """
-    require_positive("accuracy", accuracy)
     if by is None:
         names = [*problem_columns(results), *solver_columns(results)]
         by = [name for name in names if name != "option_r"]
@@ -239,14 +231,14 @@ def lambda_limits(
             usable &= np.isnan(numbers(results, name))
     for key, part in groups(results[usable], by):
         ordered = part.iloc[np.argsort(numbers(part, "option_r"))[::-1]]
-        for limit in _limits_of(ordered, accuracy):
+        for limit in _limits_of(ordered):
             values = asdict(limit)
             values["lambda"] = values.pop("lambda_")
             rows.append({**key, **values})
     return table(rows, [*by, *LIMIT_COLUMNS])
 
 
-def _limits_of(sweep: pd.DataFrame, accuracy: float) -> list[LambdaLimit]:
+def _limits_of(sweep: pd.DataFrame) -> list[LambdaLimit]:
     r, alpha_reg, energy = (numbers(sweep, name) for name in ("option_r", "alpha_reg", "energy"))
     looped = numbers(sweep, "outer_iterations") > 1
     lambdas = alpha_reg + energy
@@ -254,7 +246,7 @@ def _limits_of(sweep: pd.DataFrame, accuracy: float) -> list[LambdaLimit]:
     for i in range(1, len(r)):
         value = float(lambdas[i])
         here = LambdaLimit(float(r[i]), float(r[i - 1]), value, float(alpha_reg[i]))
-        noise = accuracy * abs(value)
+        noise = ACCURACY * abs(value)
         pair, three = slice(i - 1, i + 1), slice(max(i - 2, 0), i + 1)
         if len(np.unique(r[pair])) < 2:
             here = replace(here, reason="several values at one r: group by more columns")

@@ -78,26 +78,22 @@ def with_size_classes(results: pd.DataFrame, sizes: Sequence[int] = SIZES) -> pd
     return results.assign(**{UNKNOWNS: classes})[known]
 
 
-def rates_by_size(
-    results: pd.DataFrame, by: Sequence[str] = SOLVER, sizes: Sequence[int] = SIZES
-) -> pd.DataFrame:
+def rates_by_size(results: pd.DataFrame) -> pd.DataFrame:
     """Return the `rates` of each solver for each size class, the classes from small to large.
 
     Args:
         results: One row for each run.
-        by: Columns that name a solver.
-        sizes: Largest number of unknowns of each class but the last.
 
     Returns:
-        The columns of `rates`, with ``unknowns`` behind `by`.
+        The columns of `rates`, with ``unknowns`` behind those that name a solver.
 
     Raises:
         InputError: There is no such column.
     """
-    found = rates(with_size_classes(results, sizes), (*by, UNKNOWNS))
-    order = {name: number for number, name in enumerate(size_classes(sizes))}
+    found = rates(with_size_classes(results), (*SOLVER, UNKNOWNS))
+    order = {name: number for number, name in enumerate(size_classes())}
     placed = found.assign(_place=found[UNKNOWNS].map(order))
-    ordered = placed.sort_values([*by, "_place"], kind="stable", ignore_index=True)
+    ordered = placed.sort_values([*SOLVER, "_place"], kind="stable", ignore_index=True)
     return ordered.drop(columns=["_place"])
 
 
@@ -128,22 +124,22 @@ def largest_residuals(results: pd.DataFrame) -> Floats:
     return np.where(largest < 0, nan, largest)
 
 
-def residual_means(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
+def residual_means(results: pd.DataFrame) -> pd.DataFrame:
     """Return the accuracy of solvers: geometric mean and maximum of the largest residual of runs.
 
     Args:
         results: One row for each run.
-        by: Columns that name a solver.
 
     Returns:
-        Columns `by`; ``measured``, runs with residuals; ``mean_residual``; ``worst_residual``;
-        ``worst_error``, the largest error of all runs with a certified result. NaN without any.
+        Columns that name a solver; ``measured``, runs with residuals; ``mean_residual``;
+        ``worst_residual``; ``worst_error``, the largest error of all runs with a certified result.
+        NaN without any.
 
     Raises:
         InputError: There is no such column.
     """
     rows = []
-    for names, part in groups(accuracies(results), by):
+    for names, part in groups(accuracies(results), SOLVER):
         residual, error = numbers(part, "residual"), numbers(part, "error")
         known, errors = residual[np.isfinite(residual)], error[np.isfinite(error)]
         logarithms = np.log(np.maximum(known, LEAST_RESIDUAL))
@@ -156,18 +152,17 @@ def residual_means(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.Data
                 "worst_error": float(errors.max()) if errors.size else nan,
             }
         )
-    return table(rows, [*by, "measured", "mean_residual", "worst_residual", "worst_error"])
+    return table(rows, [*SOLVER, "measured", "mean_residual", "worst_residual", "worst_error"])
 
 
-def separate_residual_means(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
+def separate_residual_means(results: pd.DataFrame) -> pd.DataFrame:
     """Return the shifted geometric mean of each residual of the certified runs of each solver.
 
     Args:
         results: One row for each run.
-        by: Columns that name a solver.
 
     Returns:
-        Columns `by`, and a column ``mean_NAME`` for each of `RESIDUALS`,
+        Columns that name a solver, and a column ``mean_NAME`` for each of `RESIDUALS`,
         ``exp(mean(log(residual + shift))) - shift`` with the shift `RESIDUAL_SHIFT`; NaN where no
         run has this residual.
 
@@ -181,9 +176,9 @@ def separate_residual_means(results: pd.DataFrame, by: Sequence[str] = SOLVER) -
             for name in RESIDUALS
             if f"residual_{name}" in part.columns
         }
-        for names, part in groups(accuracies(results), by)
+        for names, part in groups(accuracies(results), SOLVER)
     ]
-    return table(rows, [*by, *(f"mean_{name}" for name in RESIDUALS)])
+    return table(rows, [*SOLVER, *(f"mean_{name}" for name in RESIDUALS)])
 
 
 def _shifted_mean(residual: Floats) -> float:

@@ -280,43 +280,22 @@ def regularisation_slopes(frame: pd.DataFrame, parameter: str = "option_r") -> p
     return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
 
 
-def refinement_orders(
-    results: pd.DataFrame,
-    size: str = "n_elements",
-    dimension: int = 2,
-    *,
-    fewest: int = 3,
-    agreement: float = 0.5,
-    confidence: float = 0.95,
-) -> pd.DataFrame:
+def refinement_orders(results: pd.DataFrame) -> pd.DataFrame:
     """Order with which the error against the reference falls under refinement.
 
     Args:
-        results: one row a run; only those with status ``solved`` count.
-        size: ``n_elements`` or ``n_dofs``, N.
-        dimension: of the mesh: ``h = N**(-1/dimension)``.
-        fewest, agreement, confidence: see `fit_slope`.
+        results: one row a run on a plane mesh; only those with status ``solved`` count.
 
     Returns:
         As `slopes`, by all columns that tell runs apart but mesh and its sizes; and ``order``,
-        ``order_low``, ``order_high``: of the error in h.
+        ``order_low``, ``order_high``: of the error in ``h = n_elements**(-1/2)``.
 
     Raises:
         InputError: no such column.
     """
+    size, good = "n_elements", results[says(results, "status", SOLVED)]
     by = [name for name in other_columns(results, size) if not name.startswith(("mesh", "size_"))]
-    fitted = slopes(
-        results[says(results, "status", SOLVED)],
-        size,
-        "error",
-        by,
-        BAR,
-        fewest=fewest,
-        agreement=agreement,
-        confidence=confidence,
-    )
+    fitted = slopes(good, size, "error", by, BAR, fewest=3, agreement=0.5)
     return fitted.assign(
-        order=-dimension * fitted["slope"],
-        order_low=-dimension * fitted["high"],
-        order_high=-dimension * fitted["low"],
+        order=-2 * fitted["slope"], order_low=-2 * fitted["high"], order_high=-2 * fitted["low"]
     )

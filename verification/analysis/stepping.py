@@ -11,18 +11,11 @@ STEPS = "param_steps"
 _SCHEME = "param_scheme"
 
 
-def step_orders(
-    results: pd.DataFrame,
-    *,
-    fewest: int = 3,
-    agreement: float = 0.5,
-    confidence: float = 0.95,
-) -> pd.DataFrame:
+def step_orders(results: pd.DataFrame) -> pd.DataFrame:
     """Order with which the largest error of a path falls with the number of its steps.
 
     Args:
         results: one row a run; only solved ones with a known error count.
-        fewest, agreement, confidence: see `verification.analysis.fit_slope`.
 
     Returns:
         As `verification.analysis.slopes`, by all columns that tell runs apart but the number of
@@ -33,16 +26,7 @@ def step_orders(
         return table([], [*SLOPE_COLUMNS, "order", "order_low", "order_high", "expected"])
     by = [name for name in other_columns(results, STEPS) if name != "variant"]
     known = says(results, "status", SOLVED) & results["path_error"].notna().to_numpy()
-    fitted = slopes(
-        results[known],
-        STEPS,
-        "path_error",
-        by,
-        BAR,
-        fewest=fewest,
-        agreement=agreement,
-        confidence=confidence,
-    )
+    fitted = slopes(results[known], STEPS, "path_error", by, BAR, fewest=3, agreement=0.5)
     return fitted.assign(
         order=-fitted["slope"],
         order_low=-fitted["high"],

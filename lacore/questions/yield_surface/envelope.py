@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -156,7 +156,6 @@ def envelope(
     target_width: float | None = None,
     options: Mapping[str, Any] | None = None,
     jobs: int | None = None,
-    on_direction: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> Envelope:
     """Which combinations of two or three loads a structure carries, from inside and outside (T82).
 
@@ -179,7 +178,6 @@ def envelope(
         jobs: how many directions at a time, by threads; there are two at most. What is found is the
             same whatever it is, unless a bracket runs out of time. None: as many as there are
             processors.
-        on_direction: called with the row of each direction as it ends.
 
     Raises:
         InputError: components that do no power in any motion, or all the same, before any solve;
@@ -217,7 +215,7 @@ def envelope(
         deforms=bool(of_kind(problem.bodies, Body)),
         jobs=jobs,
     )
-    run = Search(asking, components.senses if convex else np.ones((1, k)), on_direction)
+    run = Search(asking, components.senses if convex else np.ones((1, k)))
     run.along_axes(k)
     scale, centre = run.middle()
     stop = None

@@ -1,7 +1,7 @@
 """Directions that a yield surface is asked in, and what each proves (T82)."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -166,7 +166,6 @@ class Search:
     Attributes:
         asking: who answers.
         senses: signs of components that leave what is carried as it is, (s, k), the first all 1.
-        tell: called with the row of each direction.
         points: that are carried, (k,) each.
         planes: that nothing lies beyond, (k + 1,) each.
         rows: of the table.
@@ -175,7 +174,6 @@ class Search:
 
     asking: Asking
     senses: Floats
-    tell: Callable[[Mapping[str, Any]], None] | None
     points: list[Floats] = field(default_factory=list)
     planes: list[Floats] = field(default_factory=list)
     rows: list[dict[str, Any]] = field(default_factory=list)
@@ -209,8 +207,6 @@ class Search:
                 "seconds": answer.seconds,
             }
         )
-        if self.tell is not None:
-            self.tell(self.rows[-1])
         return point is not None or answer.normal is not None
 
     def turns(self, axis: int) -> bool:

@@ -181,7 +181,7 @@ def test_positions_are_one_sided_where_the_stresses_are_not_unique():
     own = Parameter("middle", "own", 4.0, 4.0, lambda _, value: bays(value))
     chosen = [by_name["frame: support at C, x"], by_name["frame: plastic_moment['C-D']"], own]
     nearby = Nearby(state, {"backend": state.backend, "coupling": state.coupling})
-    place, strength, middle = by_multipliers(state, chosen, nearby, lambda _: None)
+    place, strength, middle = by_multipliers(state, chosen, nearby)
     # Certified load factors 1 mm to either side of the middle, the same on both.
     wanted = (la.solve(bays(4.001)).load_factor - 2.0) / 1e-3
     assert wanted == pytest.approx(5 / 12, abs=1e-4)
