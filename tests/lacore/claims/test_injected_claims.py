@@ -13,6 +13,7 @@ from lacore.claims.locking_ray import LockingRay, _judged, locking_ray
 from lacore.inner.preparing import prepared_by
 from lacore.program import associated_contact
 from tests.lacore.claims.test_claims import frozen, on_incline
+from tests.lacore.claims.test_rays import in_a_box
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
 
 TOLERANCE = 1e-6
@@ -208,3 +209,36 @@ def slide_of(program):
     wanted = np.append(np.zeros(rows.count), np.ones(rows.count))
     motion = np.linalg.lstsq(matrix, wanted, rcond=None)[0]
     return motion * np.sign(program.dead_load @ motion)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7, 0.95, 1.05, 3.0])
+def test_a_base_carries_a_block_from_its_pull_on(share):
+    """A limit of friction, of a share of what pulls a block down a slope: it falls below 1."""
+    pull = 2.0 * np.sin(0.3)  # the base is 1 m long
+    program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
+    found = carrying(program, contact, prepared_by("clarabel", {}), TOLERANCE)
+    assert (found.carried is not None) == (share > 1)
+    assert (found.falling is not None) == (share < 1)
+    assert found.residual <= TOLERANCE
+    if share < 1:  # its stresses carry that share of the dead load
+        rubbed = program.contact.weights @ found.falling.tangential_reaction[:, 0]
+        weight = float(np.abs(program.dead_load).sum())
+        assert abs(rubbed) == pytest.approx(share * weight * np.sin(0.3), rel=1e-5)
+
+
+@pytest.mark.parametrize("criterion", [la.VonMises(1.0), la.MohrCoulomb(1.0, 30)])
+def test_a_locking_ray_calls_on_no_strength(criterion):
+    """What yields at last carries no load without bound: a little shear is beyond."""
+    program, contact = frozen(in_a_box(criterion))
+    ray = locking_ray(program, contact)
+    assert ray.proves
+    (shear,), sizes = ray.point.stress, np.abs(program.reference_load)
+    assert _judged(program, contact, ray.point, sizes).beyond <= 1e-12
+    sheared = replace(
+        ray.point,
+        stress=(shear + np.array([0.0, 1e-3]),),
+        mean_stress=(0 * ray.point.mean_stress[0],),
+    )
+    found = _judged(program, contact, sheared, sizes)
+    assert found.beyond > 1e-6
+    assert not found.proves

@@ -290,3 +290,41 @@ def test_a_cut_off_is_beyond_the_apex_by_their_difference():
     found = soil.beyond_apex(lambda own: np.asarray(getattr(own, "values", own)))
     assert found == pytest.approx([1.0, -1.0])
     assert la.MohrCoulomb(1.0, 30).beyond_apex(np.asarray) is None
+
+
+def layered(criterion, normal, shear, kinematics="plane_strain"):
+    """Share of its strength that a layer uses, by its normal stress and shear."""
+    form = criterion.conic_form(kinematics).across()
+    tractions = np.stack([normal, shear], axis=1)
+    conjugate = tractions[:, form.rows.any(axis=0)] if not form.surfaces else tractions[:, 1:]
+    return used(form, conjugate, tractions[:, :1])
+
+
+def test_a_layer_of_soil_is_a_joint_with_its_cohesion_and_friction():
+    """``|tau| <= c - sigma_n tan(phi)`` (T43), and of von Mises the shear strength."""
+    rng = np.random.default_rng(0)
+    normal, shear = rng.uniform(-3, 0.5, 30), rng.uniform(-2, 2, 30)
+    expected = (np.abs(shear) + normal * tan(radians(25))) / 1.2
+    plastic = expected > 0
+    for criterion in (la.MohrCoulomb(1.2, 25), la.DruckerPrager(1.2, 25)):
+        own = layered(criterion, normal, shear)
+        assert own[plastic] == pytest.approx(expected[plastic])
+    assert layered(la.VonMises(1.3), normal, shear) == pytest.approx(np.abs(shear) / 1.3)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "kinematics", "why"),
+    [
+        (la.MohrCoulomb(1.2, 25, tension_cutoff=0.1), "plane_strain", "cut-offs"),
+        (la.Rankine(0.1, 2.0), "plane_strain", "cut-offs"),
+        (la.Rankine(0.1), "plane_strain", "too much friction"),
+        (la.MohrCoulomb(1.2, 25), "axisymmetric", "cut-offs"),
+        (la.MohrCoulomb(1.2, 25, dilation_angle=5), "plane_strain", "not associated"),
+        (la.DruckerPrager(1.2, 60, "compression"), SPACE, "too much friction"),
+    ],
+)
+def test_what_has_no_layer_says_so(criterion, kinematics, why):
+    form = criterion.conic_form(kinematics)
+    assert not form.opens
+    with pytest.raises(InputError, match=why):
+        form.across()
