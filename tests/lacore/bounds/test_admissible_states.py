@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import dblquad
 
 import lacore as la
 from lacore.bounds.possible import possible_velocity
@@ -11,6 +12,7 @@ from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.stresses.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
+from lacore.bounds.upper import plastic_power
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.inner.preparing import prepared_by
@@ -233,3 +235,48 @@ def test_the_smallest_angle_of_a_mesh():
         assert smallest_angle(la.Body(mesh, CRITERION)) == pytest.approx(angle)
     square = la.meshes.quadrilaterals((0, 1), (0, 1), 1, 1)
     assert np.isnan(smallest_angle(la.Body(square, CRITERION, space="q2")))
+
+
+@pytest.mark.parametrize("parts", [1, 2, 8])
+def test_the_power_of_a_uniform_strain_rate_needs_no_lattice(parts):
+    """2 k of a unit square at a rate of 1, an element its share of the area."""
+    velocity = D.free_basis @ STATE.velocity
+    (power,) = plastic_power(D, velocity, parts).values()
+    areas = np.full(power.size, 1 / power.size)
+    assert power == pytest.approx(2.0 * areas)
+
+
+def test_a_finer_lattice_is_closer_to_the_integral_from_above():
+    """Of ``(x y, -y^2/2)``: the vertex rule is above that of a convex power, by the square."""
+
+    def field(x):
+        return np.stack([x[0] * x[1], -(x[1] ** 2) / 2])
+
+    velocity = np.zeros(D.full.n)
+    velocity[D.continua["block"].dofs] = field(D.continua["block"].nodes)
+    exact, _ = dblquad(lambda y, x: np.hypot(2 * y, x), 0, 1, 0, 1)
+    one, two, four, eight = (
+        sum(float(own.sum()) for own in plastic_power(D, velocity, parts).values()) - exact
+        for parts in (1, 2, 4, 8)
+    )
+    assert one > two > four > eight > 0
+    assert one / two == pytest.approx(4, rel=0.2)
+    assert four / eight == pytest.approx(4, rel=0.2)
+
+
+def test_a_jump_gives_half_of_its_power_to_either_side():
+    """The upper half of a square slides over the lower one: k times its length of 1."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 2)
+    body = la.Body(mesh, CRITERION, space="p1-disc")
+    d = la.discretise(
+        la.Problem({"b": body}, [la.Traction("b", "top", (1, 0))], [la.Fix("b", "bottom")])
+    )
+    dofs = d.continua["b"]
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    velocity = np.zeros(d.full.n)
+    upper = np.flatnonzero(middle[1] > 0.5)
+    velocity[dofs.dofs[0][np.unique(dofs.element_nodes[:, upper])]] = 1.0
+    (power,) = plastic_power(d, velocity, 8).values()
+    assert power.sum() == pytest.approx(1.0)
+    assert power[upper].sum() == pytest.approx(0.5)
+    assert np.count_nonzero(power > 1e-12) == 2

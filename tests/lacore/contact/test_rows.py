@@ -228,3 +228,24 @@ def test_contact_in_space_has_the_area_and_the_moments_of_its_face(problem):
     assert rows.weights.sum() == pytest.approx(2.0)
     assert rows.weights @ place[:, :2] / 2 == pytest.approx([1.0, 0.5])
     assert rows.tangent_dim == 2
+
+
+@pytest.mark.parametrize("space", ["p2-gauss", "q2"])
+def test_axisymmetric_contact_has_the_area_and_the_moment_of_a_ring(space):
+    """Radii 1 and 2: area 3 pi, and the integral of r over it 14 pi/3."""
+    mesh = la.meshes.rectangle((1, 2), (0, 1), 3, 1)
+    if space == "q2":
+        mesh = la.meshes.quadrilaterals((1, 2), (0, 1), 3, 1)
+    body = la.Body(mesh, CRITERION, space=space, kinematics="axisymmetric")
+    problem = la.Problem(
+        {"b": body},
+        [la.Pressure("b", "left")],
+        interfaces=[la.Interface(("b", "bottom"), la.RigidObstacle(), MU)],
+        dead_loads=[la.Pressure("b", "top", 1.0)],
+    )
+    d = la.discretise(problem)
+    rows = d.full.contact
+    assert rows.weights.sum() == pytest.approx(3 * np.pi)
+    assert rows.weights @ d.points.position[:, 0] == pytest.approx(14 * np.pi / 3)
+    u = velocity(d, {"b": lambda x: np.stack([0 * x[0], x[0]])})
+    assert rows.weights @ rows.opening(u) == pytest.approx(14 * np.pi / 3)
