@@ -17,8 +17,8 @@ from lacore.adaptive.asking import TIGHTEST, Asked, Bound, Solver, processors
 from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
 from lacore.adaptive.starts import starts
-from lacore.adaptive.track import RECENT, Track, growths, order
-from lacore.adaptive.whole import continua, mesh_of, of_all, on_mesh
+from lacore.adaptive.track import RECENT, Track, growths, on_finer, order
+from lacore.adaptive.whole import continua, mesh_of, of_all
 from lacore.arrays import Floats
 from lacore.backend import find_backend, read_options
 from lacore.bodies.any_body import of_kind
@@ -378,7 +378,7 @@ class _Run:
     def refined(self, track: Track, times: float) -> Problem | None:
         """The problem on the next mesh, of so many times its elements, if that may be."""
         finer = grown(track.mesh, self.shares(track), times, self.max_elements)
-        return None if finer is None else on_mesh(track.problem, finer)
+        return None if finer is None else on_finer(track.problem, finer, self.rows)
 
     def shares(self, track: Track) -> Floats:
         """Of elements in the error of what was solved last; all the same where nothing was."""

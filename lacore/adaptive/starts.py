@@ -8,10 +8,20 @@ from skfem import MeshTri
 from lacore.adaptive.kept_water import differs
 from lacore.adaptive.same_domain import difference
 from lacore.adaptive.singular_points import friction_of, sectors_for, singular_vertices
-from lacore.adaptive.whole import continua, elements, mesh_of, on_mesh, with_kept_water
+from lacore.adaptive.whole import (
+    continua,
+    elements,
+    in_bounding_spaces,
+    mesh_of,
+    on_mesh,
+    with_jumps,
+    with_kept_water,
+)
+from lacore.assembly.discretise import discretise
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
+from lacore.conditions.elimination import HeldFootingError
 from lacore.errors import InputError, require_known
 from lacore.meshes.checks import quality
 from lacore.meshes.fans import fanned
@@ -56,7 +66,7 @@ def starts(
         )
     bodies = continua(problem)
     problem = matching(with_kept_water(problem))
-    problem = on_mesh(problem, mesh_of(problem))
+    problem = _movable(in_bounding_spaces(on_mesh(problem, mesh_of(problem))))
     rubbed = max(friction_of(body) for body in bodies.values())
     solid = any(body.dimension == 3 for body in bodies.values())
     if meshes is None:
@@ -77,6 +87,15 @@ def starts(
     below = _statable(below)
     _check("the lower bound", mesh_of(below), max_elements)
     return [Start(("lower",), below), Start(("upper",), above)]
+
+
+def _movable(problem: Problem) -> Problem:
+    """With velocities that jump where continuous ones keep a footing from moving."""
+    try:
+        discretise(problem)
+    except HeldFootingError:
+        return with_jumps(problem)
+    return problem
 
 
 def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:

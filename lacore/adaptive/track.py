@@ -3,16 +3,18 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, log
+from typing import Any
 
 import numpy as np
 from skfem import MeshTri
 
 from lacore.adaptive.asking import Bound
-from lacore.adaptive.whole import mesh_of
+from lacore.adaptive.whole import mesh_of, on_mesh, with_jumps
 from lacore.arrays import Floats
 from lacore.problem.problem import Problem
 
 RECENT = 2  # refinements whose gains count
+_LOCKED = 2  # meshes without an upper bound, after which velocities jump
 _SMALL = 0.5  # of the elements of the other mesh: below it a solve costs little
 _GROWTH = 3.4  # of a mesh at most: marks see no further ahead
 _LEAST_GROWTH = 1.2  # below it a solve is not worth its time
@@ -88,6 +90,22 @@ class Track:
             gains = (*gains, gain)
             times = (*times, mesh_of(problem).nelements / self.elements)
         return replace(self, problem=problem, last=last, gains=gains, times=times, seconds=seconds)
+
+
+def on_finer(problem: Problem, mesh: MeshTri, rows: Sequence[Mapping[str, Any]]) -> Problem:
+    """The problem on the next mesh; with velocities that jump where no upper bound was found.
+
+    Where contact ends beside a support in its direction, continuous velocities are none on any
+    mesh. The first one may be too coarse, so that two have to say so.
+
+    Args:
+        problem: on the last mesh.
+        mesh: the next one.
+        rows: of the history of a bracket.
+    """
+    solved = [row["solved"] for row in rows if row["bound"] == "upper"]
+    locked = len(solved) >= _LOCKED and not np.any(np.isfinite(solved))
+    return with_jumps(on_mesh(problem, mesh)) if locked else on_mesh(problem, mesh)
 
 
 def order(seen: Sequence[tuple[int, float]]) -> float:

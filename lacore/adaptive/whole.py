@@ -93,17 +93,30 @@ def mesh_of(problem: Problem) -> MeshTri:
 
 
 def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
-    """The problem with its bodies on what became of `mesh_of`, in the space of upper bounds.
+    """The problem with its bodies on what became of `mesh_of`, in the spaces that they have."""
+    known = continua(problem)
+    finer = {
+        name: inheriting.on_mesh(known[name], part, known[name].space)
+        for name, part in parted(mesh, list(known)).items()
+    }
+    return replace(problem, bodies={**problem.bodies, **finer})
+
+
+def in_bounding_spaces(problem: Problem) -> Problem:
+    """The problem with its bodies in the spaces of upper bounds.
 
     What is projected from ``p2-gauss`` is a little closer, and astray where mechanisms are not
     unique.
     """
-    known = continua(problem)
-    finer = {
-        name: inheriting.on_mesh(known[name], part, _space(known[name], name, problem))
-        for name, part in parted(mesh, list(known)).items()
-    }
-    return replace(problem, bodies={**problem.bodies, **finer})
+    known = continua(problem).items()
+    own = {name: replace(body, space=_space(body, name, problem)) for name, body in known}
+    return replace(problem, bodies={**problem.bodies, **own})
+
+
+def with_jumps(problem: Problem) -> Problem:
+    """The problem with velocities of its bodies that jump from element to element."""
+    own = {name: replace(body, space="p2-disc") for name, body in continua(problem).items()}
+    return replace(problem, bodies={**problem.bodies, **own})
 
 
 def _space(body: Body, name: str, problem: Problem) -> str:

@@ -18,6 +18,10 @@ _PARALLEL = 1e-12  # squared sine between directions that count as one: far abov
 _CONFLICT = 1e-9
 
 
+class HeldFootingError(InputError):
+    """A footing that shares a node with what keeps it from moving."""
+
+
 @dataclass(frozen=True, repr=False)
 class NodeConditions(Compact):
     """Conditions on nodes.
@@ -140,11 +144,11 @@ def _missing(conditions: NodeConditions, carried: Floats) -> Floats:
 def _check_consistent(conditions: NodeConditions, carried: Floats, names: list[str]) -> None:
     wrong = _missing(conditions, carried).max(axis=0, initial=0.0) > _CONFLICT
     if wrong.any():
-        raise InputError(
+        raise HeldFootingError(
             "RigidFooting",
             names[int(np.flatnonzero(wrong)[0])],
             "a support or another footing at one of its nodes keeps it from moving",
             "end the other beside it, release the component along its direction, for two footings"
-            " at one place give both one direction and one roughness; at a corner take a space of"
-            " straight triangles in the plane, which slip there",
+            " at one place give both one direction and one roughness; or take the space 'p2-disc',"
+            " whose velocities jump",
         )
