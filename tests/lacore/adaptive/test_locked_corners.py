@@ -7,6 +7,8 @@ above a plane at 45 degrees slides up: the passive pressure of clay on 1 m, a lo
 import pytest
 
 import lacore as la
+from lacore.adaptive.track import on_finer
+from lacore.adaptive.whole import mesh_of
 
 
 def above(x):
@@ -55,3 +57,20 @@ def test_a_locked_mesh_says_which_velocities_may_free_it():
     assert state.status is la.Status.LOCKED
     assert "proven of the discrete problem" in state.message
     assert "'p2-disc'" in state.message
+
+
+def test_velocities_jump_after_two_meshes_without_an_upper_bound():
+    """The first mesh may be too coarse alone; lower bounds say nothing of it."""
+    problem = behind_block()
+    finer = mesh_of(problem).refined(1)
+    found, missing, lower = (
+        {"bound": kind, "solved": value}
+        for kind, value in (("upper", 2.1), ("upper", float("nan")), ("lower", float("nan")))
+    )
+
+    def space(*rows):
+        return on_finer(problem, finer, rows).bodies["ground"].space
+
+    assert space(lower, missing) == space(lower, missing, lower) == "p2-vertex"
+    assert space(missing, found) == "p2-vertex"
+    assert space(missing, missing) == "p2-disc"
