@@ -131,7 +131,7 @@ class _Energy:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _BarrierResult:
     """Where the barrier has faded to; the multiplier is that of ``F0.U = 1``."""
 
     native: str
@@ -141,12 +141,12 @@ class _Found:
     multiplier: float
 
 
-def _followed(energy: _Energy, fading: Fading, deadline: float) -> _Found:
+def _followed(energy: _Energy, fading: Fading, deadline: float) -> _BarrierResult:
     """One run of IPOPT for each mu, each from the velocity of the last."""
     load = energy.program.reference_load
     program = _Program(energy)
     mu, last = _FIRST, _POWER * fading.tolerance / energy.volume
-    found = _Found("", 0, mu, load / float(load @ load), 0.0)
+    found = _BarrierResult("", 0, mu, load / float(load @ load), 0.0)
     while True:
         mu = max(mu, last)
         tolerance = fading.tolerance
@@ -189,8 +189,8 @@ class _Program:
         return [ca.DM(self._upper, float(factor) * entries[self._kept])]
 
     def run(
-        self, mu: float, start: _Found, tolerance: float, max_iterations: int, left: float
-    ) -> _Found:
+        self, mu: float, start: _BarrierResult, tolerance: float, max_iterations: int, left: float
+    ) -> _BarrierResult:
         """The minimum at mu, from the velocity of another, within `left` seconds."""
         settings: dict[str, Any] = {
             "grad_f": self._slope,
@@ -225,7 +225,7 @@ class _Program:
         nlp = ca.nlpsol("smoothed", "ipopt", self._problem, settings)
         answer = nlp(x0=start.velocity, lam_g0=-start.multiplier, lbg=1.0, ubg=1.0, p=mu)
         stats = nlp.stats()
-        return _Found(
+        return _BarrierResult(
             native=str(stats["return_status"]),
             iterations=start.iterations + int(stats["iter_count"]),
             mu=mu,

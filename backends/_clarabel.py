@@ -49,7 +49,7 @@ class Limits(Protocol):
 
 
 @dataclass(frozen=True)
-class Answer:
+class ClarabelResult:
     """What Clarabel found for one frozen contact: x and z of the form."""
 
     native: str
@@ -82,7 +82,7 @@ class ConicSolver:
         self._program, self._limits, self._penalty = program, limits, penalty
         self._standing: list[_Standing] = []  # the one asked last comes last
 
-    def solve(self, contact: FrozenContact) -> Answer:
+    def solve(self, contact: FrozenContact) -> ClarabelResult:
         """Solve; a change of friction bounds or shifts alone updates q and b in place."""
         begin = time.perf_counter()
         standing = self._found(contact)
@@ -111,7 +111,7 @@ class ConicSolver:
         native, steps = str(found.status), int(found.iterations)
         x = np.empty(cost.size)
         x[form.order] = found.x
-        return Answer(native, steps, x, np.array(found.z), form)
+        return ClarabelResult(native, steps, x, np.array(found.z), form)
 
     def _found(self, contact: FrozenContact) -> _Standing:
         """The form for a contact: one of the last, or a new one in place of the oldest."""

@@ -30,7 +30,7 @@ _ALMOST = 1e3  # tolerances within which an iteration that ends is almost at its
 
 
 @dataclass(frozen=True)
-class Found:
+class BarrierResult:
     """Where the iteration ended; the multiplier is that of ``F0.U = 1``."""
 
     native: str
@@ -95,7 +95,7 @@ def follow(
     gram: Gram,
     solver: SymmetricSolver,
     goal: Goal,
-) -> Found:
+) -> BarrierResult:
     """From stresses that know no cones to the end of the path.
 
     Args:
@@ -107,7 +107,7 @@ def follow(
     try:
         linearised = _Linearised(program, gram, solver, points)
     except SingularError:
-        return Found("singular matrix", 0, u, float("nan"), tuple(places))
+        return BarrierResult("singular matrix", 0, u, float("nan"), tuple(places))
     u, multiplier, places = linearised.step([one.at_rest() for one in points], u, multiplier)
     places = _inside(places)
     for iteration in range(1, goal.max_iterations + 1):
@@ -115,16 +115,16 @@ def follow(
         here = (iteration, u, multiplier, tuple(places))
         left = _left(program, points, u, multiplier) / goal.tolerance
         if left <= 1:
-            return Found("converged", *here)
+            return BarrierResult("converged", *here)
         if escaped(u):
-            return Found("diverged", *here)
+            return BarrierResult("diverged", *here)
         if time.perf_counter() > goal.deadline:
-            return Found("time limit", *here)
+            return BarrierResult("time limit", *here)
         stuck = "converged to round-off" if left <= _ALMOST else "no progress"
         try:
             linearised = _Linearised(program, gram, solver, points)
         except SingularError:
-            return Found(stuck, *here)
+            return BarrierResult(stuck, *here)
         *_, ahead = linearised.step([one.to_edges() for one in points], u, multiplier)
         centring = (1 - min(1.0, _farthest(places, ahead))) ** 3
         mu = centring * sum(one.gap for one in points) / sum(one.volume for one in points)
@@ -133,9 +133,9 @@ def follow(
         share = min(1.0, _AWAY * _farthest(places, steps))
         moved = [place.moved(step, share) for place, step in zip(places, steps, strict=True)]
         if not (share > _SHORTEST and all(place.sound for place in moved)):
-            return Found(stuck, *here)
+            return BarrierResult(stuck, *here)
         u, multiplier, places = u + share * change, multiplier + share * more, moved
-    return Found("iteration limit", goal.max_iterations, u, multiplier, tuple(places))
+    return BarrierResult("iteration limit", goal.max_iterations, u, multiplier, tuple(places))
 
 
 def _inside(places: Sequence[Place]) -> list[Place]:

@@ -32,7 +32,7 @@ _FREE = {"mu_strategy": "adaptive", "adaptive_mu_globalization": "never-monotone
 
 
 @dataclass(frozen=True)
-class Found:
+class StaticResult:
     """What one run of IPOPT came to: unknowns, and multipliers of all rows."""
 
     native: str
@@ -204,7 +204,7 @@ class StaticProgram:
         max_iterations: int,
         time_limit: float,
         share: bool = False,
-    ) -> Found:
+    ) -> StaticResult:
         """Solve from the least stresses that balance the dead load.
 
         Args:
@@ -285,18 +285,18 @@ class StaticProgram:
             start[left] = 1.0
         answer = nlp(x0=start, p=cost, lbx=low, ubx=high, lbg=lower, ubg=upper)
         stats = nlp.stats()
-        return Found(
+        return StaticResult(
             native=str(stats["return_status"]),
             iterations=int(stats["iter_count"]),
             x=np.array(answer["x"]).ravel(),
             multipliers=np.array(answer["lam_g"]).ravel(),
         )
 
-    def velocity(self, found: Found) -> Floats:
+    def velocity(self, found: StaticResult) -> Floats:
         """Multipliers of equilibrium, F0.U = 1 at a solution."""
         return -found.multipliers[: self._program.n]
 
-    def state(self, found: Found) -> ProgramState:
+    def state(self, found: StaticResult) -> ProgramState:
         """Velocity and stresses in the signs of `ProgramState`."""
         program, x = self._program, found.x
         tangential = x[self._friction].reshape(-1, program.contact.tangent_dim)

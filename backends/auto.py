@@ -108,7 +108,7 @@ class Auto:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Attempt:
     """An answer, what it leaves, and whether nobody is asked after it."""
 
     name: str
@@ -140,7 +140,7 @@ class AutoSolver:
 
         The words of all that were asked are told, that of the answer last.
         """
-        clock, asked = SolveClock(), list[_Asked]()
+        clock, asked = SolveClock(), list[_Attempt]()
         for name in self._order(contact):
             asked.append(self._asked(name, contact, clock.seconds, bool(asked)))
             if asked[-1].ends:
@@ -165,7 +165,7 @@ class AutoSolver:
         leads = self._leads and not np.any(contact.shift)
         return [_OWN, _OTHER] if leads else [_OTHER, _OWN]
 
-    def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Asked":
+    def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Attempt":
         """What one says in the time that is left, and what its answer leaves."""
         from backends._embedding.dilating import as_moved  # not for `capabilities`
         from lacore.inner.left_over import judged_left
@@ -181,7 +181,7 @@ class AutoSolver:
             left = judged_left(*as_moved(self._program, answer.point), contact, allowed)[1]
         # Where it ended on its way the other one may well be sure.
         good = left <= allowed and (name == _OTHER or answer.status is Status.SOLVED)
-        return _Asked(name, answer, left, ends=good or answer.status in _WORDS)
+        return _Attempt(name, answer, left, ends=good or answer.status in _WORDS)
 
     def _first(self, name: str) -> PreparedSolver:
         """One that is asked first, kept for the next contact."""

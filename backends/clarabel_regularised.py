@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from backends._clarabel import STATUS_MAP, Answer, ConicSolver, version
+from backends._clarabel import STATUS_MAP, ClarabelResult, ConicSolver, version
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram
@@ -113,7 +113,7 @@ class RegularisedSolver:
     def close(self) -> None:
         """Nothing is held."""
 
-    def _point(self, contact: FrozenContact, answer: Answer) -> RegularisedPoint:
+    def _point(self, contact: FrozenContact, answer: ClarabelResult) -> RegularisedPoint:
         """The energies at the velocity, with the stresses and reactions of the duals.
 
         Stresses by the law magnify what is wrong with the velocity by the penalties: at r = 1e-5

@@ -17,7 +17,7 @@ import scipy
 
 from backends._embedding.arrays import Translation
 from backends._embedding.dilating import as_moved
-from backends._embedding.follow import Found, follow
+from backends._embedding.follow import EmbeddingResult, follow
 from backends._embedding.least import least_program
 from backends._embedding.loops.best import best_loops
 from backends._embedding.loose import loosened
@@ -210,7 +210,7 @@ class InteriorPointSolver:
             yield self._followed(own, basis, follow(system, goal, *begin, whole))
         yield self._followed(own, basis, follow(whole(), goal, *begin))
 
-    def _followed(self, own: Translation, basis: Sparse | None, found: Found) -> _Way:
+    def _followed(self, own: Translation, basis: Sparse | None, found: EmbeddingResult) -> _Way:
         """In the unknowns of the program."""
         velocity = found.velocity if basis is None else np.asarray(basis @ found.velocity)
         point = self._moved(own.state(velocity, found.multipliers))

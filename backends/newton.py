@@ -119,7 +119,7 @@ class Newton:
 
 
 @dataclass(frozen=True)
-class _Answer:
+class _NewtonResult:
     """Where the iteration ended; the multiplier is that of ``F0.U = 1``."""
 
     native: str
@@ -185,7 +185,7 @@ class NewtonSolver:
 
     def _iterate(
         self, contact: FrozenContact, penalty: Penalties, start: Floats | None, deadline: float
-    ) -> _Answer:
+    ) -> _NewtonResult:
         assert self._shape is not None
         system = System(self._program, contact, penalty, self._shape, self._solver)
         laws = laws_of(self._program, contact, penalty, self._shape)
@@ -195,40 +195,40 @@ class NewtonSolver:
             u = system.at_rest() if start is None else start
         except SingularError as error:
             nowhere = np.zeros(self._program.n)
-            return _Answer("singular matrix", 0, nowhere, float("nan"), str(error))
+            return _NewtonResult("singular matrix", 0, nowhere, float("nan"), str(error))
         for law in laws:
             law.step(u, 0 * u, 1.0)
         point = system.at(u)
         multiplier = float("nan")
         for iteration in range(1, self._options.max_iterations + 1):
             if time.perf_counter() > deadline:
-                return _Answer("time limit", iteration, u, multiplier)
+                return _NewtonResult("time limit", iteration, u, multiplier)
             try:
                 multiplier, change = system.direction(laws, u, point.gradient)
             except SingularError as error:
-                return _Answer("singular matrix", iteration, u, multiplier, str(error))
+                return _NewtonResult("singular matrix", iteration, u, multiplier, str(error))
             balance = point.values.load_factor  # what the certificate will measure with
             forces = abs(balance) * float(np.abs(load).sum()) + weight
             out_of_balance = float(np.abs(point.gradient - balance * load).max())
             if out_of_balance <= self._options.tolerance * forces or _at_rest(point):
-                return _Answer("converged", iteration, u, multiplier)
+                return _NewtonResult("converged", iteration, u, multiplier)
             if np.abs(change).max() > _LONGEST * np.abs(u).max() and system.stiffen():
                 continue
             share, new = _line_search(system, u, change, point, multiplier)
             if share < _SHORT and system.stiffen():
                 continue
             if share < _SHORTEST:
-                return _Answer("line search failed", iteration, u, multiplier)
+                return _NewtonResult("line search failed", iteration, u, multiplier)
             if share > 0.5:
                 system.soften()
             for law in laws:
                 law.step(u, change, share)
             u, point = u + share * change, new
             if escaped(u):
-                return _Answer("diverged", iteration, u, multiplier)
+                return _NewtonResult("diverged", iteration, u, multiplier)
             if np.abs(change).max() <= _STILL * np.abs(u).max():
-                return _Answer("converged to round-off", iteration, u, multiplier)
-        return _Answer("iteration limit", self._options.max_iterations, u, multiplier)
+                return _NewtonResult("converged to round-off", iteration, u, multiplier)
+        return _NewtonResult("iteration limit", self._options.max_iterations, u, multiplier)
 
 
 class PressedSolver:

@@ -30,7 +30,7 @@ _STUCK = ("no progress", "singular matrix", "iteration limit")
 
 
 @dataclass(frozen=True)
-class Found:
+class EmbeddingResult:
     """Where the iteration ended, or was at its best."""
 
     native: str
@@ -45,7 +45,7 @@ def follow(
     at: Step,
     power: float,
     other: Callable[[], System] | None = None,
-) -> Found:
+) -> EmbeddingResult:
     """From a start, and the power that its velocity turns over, to the end.
 
     Args:
@@ -89,7 +89,7 @@ def follow(
         at = moved
     if native in _STUCK and least <= _ROUND_OFF * goal.tolerance:
         native = "solved to round-off"
-    return Found(native, iteration, *best.solution)
+    return EmbeddingResult(native, iteration, *best.solution)
 
 
 def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, float]:

@@ -33,7 +33,7 @@ def processors() -> int:
 
 
 @dataclass(frozen=True)
-class Asked:
+class RequestedBound:
     """A bound that is to be found.
 
     Attributes:
@@ -52,7 +52,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Answer:
+class FoundBound:
     """A bound, and how it was found.
 
     Attributes:
@@ -81,27 +81,27 @@ class Solver:
     deadline: float
     jobs: int
 
-    def answers(self, asked: Sequence[Asked]) -> Generator[Answer]:
+    def answers(self, asked: Sequence[RequestedBound]) -> Generator[FoundBound]:
         """The bounds in their order, the same whatever `jobs`: each knows its own question only.
 
         Who stops reading leaves the rest unsolved, or unread.
         """
         yield from each(self.answer, asked, self.jobs)
 
-    def answer(self, asked: Asked) -> Answer:
+    def answer(self, asked: RequestedBound) -> FoundBound:
         """The answer to one question."""
         tolerance = asked.tolerance * self._nominal
         bound = self._bound(asked, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
-            return Answer(self._bound(asked, {}))
+            return FoundBound(self._bound(asked, {}))
         sharper = self._sharper(asked, bound)
         if sharper > _WORTH:
-            return Answer(bound)
+            return FoundBound(bound)
         again = self._bound(asked, {"tolerance": sharper * tolerance})
         closer = again.status is Status.SOLVED and again.lost < bound.lost
-        return Answer(again if closer else bound, sharper)
+        return FoundBound(again if closer else bound, sharper)
 
-    def _sharper(self, asked: Asked, bound: Bound) -> float:
+    def _sharper(self, asked: RequestedBound, bound: Bound) -> float:
         """Which share of the tolerance a bound needs that loses too much; else 1."""
         if bound.status is not Status.SOLVED or not bound.lost > asked.affordable:
             return 1.0
@@ -120,7 +120,7 @@ class Solver:
         """Names of the options that its backend has."""
         return {field.name for field in fields(find_backend(self.backend).Options)}
 
-    def _bound(self, asked: Asked, options: Mapping[str, Any]) -> Bound:
+    def _bound(self, asked: RequestedBound, options: Mapping[str, Any]) -> Bound:
         left = max(self.deadline - time.perf_counter(), 1.0)
         known = self._known
         given = {k: v for k, v in {**options, "time_limit": left}.items() if k in known}

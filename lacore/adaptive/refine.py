@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from skfem import MeshTri
 
-from lacore.adaptive.asking import TIGHTEST, Asked, Bound, Solver, processors
+from lacore.adaptive.asking import TIGHTEST, Bound, RequestedBound, Solver, processors
 from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
 from lacore.adaptive.starts import starts
@@ -229,7 +229,7 @@ class _Run:
         seconds = time.perf_counter() - begin
         return [track.moved(new, last, gained, seconds) for track, new in moves]
 
-    def _asked(self, kind: str, problem: Problem, ahead: float) -> Asked:
+    def _asked(self, kind: str, problem: Problem, ahead: float) -> RequestedBound:
         """By the width that it will about prove, which decides how close the solver comes."""
         width = max(ahead, self.target)
         close = self.nothing if self.unsigned else width * self.size
@@ -239,9 +239,9 @@ class _Run:
         share = _PRESSED[kind] if self.pressure_dependent else _LOOSE
         loose = width * share * self.sharper.get(kind, 1.0)
         tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
-        return Asked(kind, problem, tolerance, affordable)
+        return RequestedBound(kind, problem, tolerance, affordable)
 
-    def _keep(self, asked: Asked, bound: Bound) -> None:
+    def _keep(self, asked: RequestedBound, bound: Bound) -> None:
         """The best bounds, and what failed."""
         kind = asked.kind
         sign = 1.0 if kind == "lower" else -1.0

@@ -51,7 +51,7 @@ _ALIKE = 100.0  # bars of residuals, of that size: with deformable bodies states
 
 
 @dataclass(frozen=True, repr=False)
-class Found(Compact):
+class CertifiedMechanism(Compact):
     """One certified mechanism, in the units of the program.
 
     Attributes:
@@ -113,10 +113,10 @@ class Search:
     tolerance: float
     bounds: tuple[float, float]
     rng: np.random.Generator
-    on_found: Callable[[Found], None]
+    on_found: Callable[[CertifiedMechanism], None]
     on_solve: Callable[[Iterate], None]
     seconds: Callable[[], float]
-    best: dict[float, Found] = field(default_factory=dict)
+    best: dict[float, CertifiedMechanism] = field(default_factory=dict)
     solves: int = 0
     _visited: dict[float, list[float]] = field(default_factory=lambda: {LOW: [], HIGH: []})
 
@@ -160,11 +160,11 @@ class Search:
         if last.state is not None and run.proven(last):
             self._noted(last.state, restart, "path", (last,))
 
-    def _climb_both(self, found: Found | None) -> None:
+    def _climb_both(self, found: CertifiedMechanism | None) -> None:
         for side in (LOW, HIGH):
             self._climb(found, side)
 
-    def _climb(self, found: Found | None, side: float) -> None:
+    def _climb(self, found: CertifiedMechanism | None, side: float) -> None:
         """From the end of an interval to that of the next, until none reaches further."""
         origin = "low end" if side < 0 else "high end"
         tries = list(_SPREADS)
@@ -204,7 +204,7 @@ class Search:
         options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
         return Run(program, self.solver, False, options, self.on_solve)
 
-    def _found(self, start: ProgramState, restart: int, origin: str) -> Found | None:
+    def _found(self, start: ProgramState, restart: int, origin: str) -> CertifiedMechanism | None:
         """The mechanism that settles from reactions, noted."""
         settled = self._settled(self.program, start)
         if settled is None:
@@ -212,7 +212,7 @@ class Search:
         state, run = settled
         return self._noted(state, restart, origin, tuple(run.iterates))
 
-    def _known(self, certified: ProgramState) -> Found | None:
+    def _known(self, certified: ProgramState) -> CertifiedMechanism | None:
         """The mechanism of a state that needs no settling, so that its own load is among those."""
         inner = InnerSolution(Status.SOLVED, "certified", 0, 0.0, certified)
         proof = certify(self.program, certified)
@@ -221,11 +221,11 @@ class Search:
 
     def _noted(
         self, state: ProgramState, restart: int, origin: str, iterates: tuple[Iterate, ...]
-    ) -> Found | None:
+    ) -> CertifiedMechanism | None:
         interval = load_factor_interval(self.program, state, self._counted, self.tolerance)
         if interval.lower.status is EndStatus.NOT_CERTIFIED:  # by round-off of other units
             return None
-        found = Found(restart, origin, interval, iterates)
+        found = CertifiedMechanism(restart, origin, interval, iterates)
         for side in (LOW, HIGH):
             best = self.best.get(side)
             if best is None or self._beyond(side, found.end(side), best.end(side), _FURTHER):

@@ -44,7 +44,7 @@ def held_back(
 ) -> tuple[Finding, ...]:
     """Return which sides of soils a mechanism would pass, and how much less it would carry.
 
-    Asked of sides beside which elements are too large for speeds to tell.
+    RequestedBound of sides beside which elements are too large for speeds to tell.
 
     Args:
         discretisation: of the problem.

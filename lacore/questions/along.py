@@ -15,7 +15,7 @@ from lacore.errors import InputError, is_number
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.kept import Found, digest, keep, recall
+from lacore.questions.kept import LoadFactorRecord, digest, keep, recall
 from lacore.questions.stable import stable
 from lacore.questions.worth import error, worth
 from lacore.showing import counted
@@ -23,9 +23,9 @@ from lacore.status import Status
 
 ProblemAt = Callable[[float], Problem]
 _OF_DEAD = {  # by whether they are carried alone
-    True: Found(inf, 0.0, Status.LOCKED.label, nan, 0.0),
-    False: Found(-inf, 0.0, Status.UNSAFE.label, nan, 0.0),
-    None: Found(nan, nan, Status.NOT_CERTIFIED.label, nan, 0.0),
+    True: LoadFactorRecord(inf, 0.0, Status.LOCKED.label, nan, 0.0),
+    False: LoadFactorRecord(-inf, 0.0, Status.UNSAFE.label, nan, 0.0),
+    None: LoadFactorRecord(nan, nan, Status.NOT_CERTIFIED.label, nan, 0.0),
 }
 COLUMNS = ["parameter", "load_factor", "error", "status", "residual", "seconds", "kept"]
 PROBLEM_AT = "give a function of a value that returns the problem at it"
@@ -74,7 +74,7 @@ class Along:
         state = solve(problem, **self.given)
         seconds = state.build_time + state.solve_time
         residual = nan if state.certificate is None else state.certificate.worst[1]
-        found = Found(worth(state), error(state), state.status.label, residual, seconds)
+        found = LoadFactorRecord(worth(state), error(state), state.status.label, residual, seconds)
         self.states[value] = state
         self._note(value, found, kept=False)
         if self.folder and not isnan(found.value):
@@ -111,7 +111,7 @@ class Along:
         except NoPowerError:
             return None
 
-    def _without_power(self, value: float) -> Found:
+    def _without_power(self, value: float) -> LoadFactorRecord:
         """What the dead loads alone decide, where supports take the others whatever their size."""
         problem = self.problem_at(value)
         if not problem.dead_loads:
@@ -122,7 +122,7 @@ class Along:
         except NoPowerError:  # they take these, too
             return _OF_DEAD[True]
 
-    def _note(self, value: float, found: Found, kept: bool) -> None:
+    def _note(self, value: float, found: LoadFactorRecord, kept: bool) -> None:
         self.rows[value] = {
             "parameter": value,
             "load_factor": found.value,

@@ -17,7 +17,7 @@ _FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Found:
+class LoadFactorRecord:
     """What is kept of a state.
 
     Attributes:
@@ -40,17 +40,17 @@ def digest(program: KinematicProgram, given: Mapping[str, Any]) -> str:
     return seen.hexdigest()
 
 
-def recall(folder: Path, name: str) -> Found | None:
+def recall(folder: Path, name: str) -> LoadFactorRecord | None:
     """What was found before; None where nothing was, or where a file cannot be read."""
     try:
         told = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
         numbers = {key: float(told[key]) for key in ("value", "error", "residual", "seconds")}
-        return Found(status=str(told["status"]), **numbers)
+        return LoadFactorRecord(status=str(told["status"]), **numbers)
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def keep(folder: Path, name: str, found: Found) -> None:
+def keep(folder: Path, name: str, found: LoadFactorRecord) -> None:
     """Write what was found, whole or not at all."""
     unfinished = folder / f"{name}.part"
     unfinished.write_text(json.dumps(asdict(found)), encoding="utf-8")

@@ -18,7 +18,7 @@ from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.run import Coupled
-from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
+from lacore.coupling.search import HIGH, LOW, CertifiedMechanism, Search, coulomb_bounds
 from lacore.errors import InputError, require_positive, require_whole, typed
 from lacore.inner.preparing import preparing, require_exact
 from lacore.inner.rescaling import good_for
@@ -263,7 +263,7 @@ def coulomb_range(
     rows: list[dict[str, Any]] = []
     stop = None
 
-    def note(found: Found) -> None:
+    def note(found: CertifiedMechanism) -> None:
         rows.append(_row(found, scale) | {"solves": search.solves})
         if on_progress is not None:
             on_progress(rows[-1])
@@ -336,7 +336,7 @@ def coulomb_range(
     )
 
 
-def _row(found: Found, scale: float) -> dict[str, Any]:
+def _row(found: CertifiedMechanism, scale: float) -> dict[str, Any]:
     lower, upper = found.interval.lower, found.interval.upper
     return {
         "restart": found.restart,

@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from backends import interior_point
-from backends._embedding.follow import Found
+from backends._embedding.follow import EmbeddingResult
 from backends.auto import Auto, AutoOptions, AutoSolver
 from backends.clarabel_socp import ClarabelSolver
 from lacore.assembly.discretise import discretise
@@ -128,7 +128,7 @@ def lost(monkeypatch):
     """The interior point ends nowhere; the iterations that each way was given."""
     follow, given = interior_point.follow, []
 
-    def stalls(system, goal, *begin) -> Found:
+    def stalls(system, goal, *begin) -> EmbeddingResult:
         given.append(goal.max_iterations)
         once = replace(goal, max_iterations=1)
         return replace(follow(system, once, *begin), native="no progress")

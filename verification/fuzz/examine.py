@@ -14,7 +14,7 @@ from verification.fuzz.drawn.copies import COPIES, has_coulomb, strengthened, wi
 from verification.fuzz.drawn.draw import Rng
 from verification.fuzz.drawn.paths import examine_path
 from verification.fuzz.drawn.recipe import Recipe
-from verification.fuzz.solving import FREE, Answer, Asked, answer, told
+from verification.fuzz.solving import FREE, RecipeResult, SolveSettings, answer, told
 
 _LINEAR = ("blocks", "frame")
 _LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"
@@ -53,7 +53,7 @@ def examine(recipe: Recipe, rng: Rng) -> Judgement:
     if base.status == "refused":
         return Judgement(base.status, nan, "", base.text, None)
     known = known_of(recipe)
-    found = Found(recipe, base, known, rng)
+    found = Examination(recipe, base, known, rng)
     wrong = next(found.wrong(), None)
     return Judgement(
         base.status,
@@ -66,10 +66,10 @@ def examine(recipe: Recipe, rng: Rng) -> Judgement:
     )
 
 
-class Found:
+class Examination:
     """What is found out about a recipe, one comparison after the other."""
 
-    def __init__(self, recipe: Recipe, base: Answer, known: Known, rng: Rng) -> None:
+    def __init__(self, recipe: Recipe, base: RecipeResult, known: Known, rng: Rng) -> None:
         self._recipe, self._base, self._known, self._rng = recipe, base, known, rng
         self._coulomb = has_coulomb(recipe)
         self._scale = base.scale.power
@@ -192,13 +192,15 @@ class Found:
         """Another solver finds the same, or another Coulomb state."""
         kinds = [body["kind"] for body in self._recipe["bodies"].values()]
         if all(kind in _LINEAR for kind in kinds):
-            other = answer(self._recipe, self._rng, Asked(_LINEAR_SOLVER))
+            other = answer(self._recipe, self._rng, SolveSettings(_LINEAR_SOLVER))
             if other.status != "refused":
                 yield from self._same(other, _LINEAR_SOLVER)
             return
         # Of continua the associated value, which is one number, and the stresses of its state.
         wanted = self._high if self._coulomb else self._base.load_factor
-        other = answer(with_law(self._recipe, "associated"), self._rng, Asked(_CONIC_SOLVER))
+        other = answer(
+            with_law(self._recipe, "associated"), self._rng, SolveSettings(_CONIC_SOLVER)
+        )
         if other.wrong is not None:
             yield replace(other.wrong, check=f"{_CONIC_SOLVER}, {other.wrong.check}")
         elif isfinite(wanted) and other.solved:
@@ -221,7 +223,7 @@ class Found:
             text = f"{self._base.load_factor:.12g} is not in [{found.low:.12g}, {found.high:.12g}]"
             yield Wrong("interval", text)
 
-    def _same(self, other: Answer, name: str) -> Iterator[Wrong]:
+    def _same(self, other: RecipeResult, name: str) -> Iterator[Wrong]:
         """Whether an answer to the same question is the same."""
         base = self._base
         if other.wrong is not None:
@@ -243,7 +245,7 @@ class Found:
             if one.word and two.solved and not self._is_nothing(one, two):
                 yield Wrong(f"word {one.status}", f"{who}: {two.load_factor:.6g}")
 
-    def _is_nothing(self, word: Answer, solved: Answer) -> bool:
+    def _is_nothing(self, word: RecipeResult, solved: RecipeResult) -> bool:
         """FREE is a load factor of zero."""
         return word.status == FREE.label and abs(solved.load_factor) <= BAR * self._scale
 

@@ -17,7 +17,7 @@ WORDS = (la.Status.LOCKED, la.Status.UNSAFE, FREE)
 
 
 @dataclass(frozen=True)
-class Answer:
+class RecipeResult:
     """What became of a recipe.
 
     Attributes:
@@ -52,31 +52,33 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Asked:
+class SolveSettings:
     """How a recipe is to be solved: as `la.solve` takes it, but for the problem."""
 
     backend: str = "clarabel"
     settings: Mapping[str, Any] = field(default_factory=dict)
 
 
-def answer(recipe: Recipe, rng: Any, asked: Asked | None = None, checked: bool = True) -> Answer:
+def answer(
+    recipe: Recipe, rng: Any, asked: SolveSettings | None = None, checked: bool = True
+) -> RecipeResult:
     """Build, solve and check a recipe."""
-    asked = asked or Asked()
+    asked = asked or SolveSettings()
     try:
         problem = build(recipe)
         state = la.solve(problem, asked.backend, **asked.settings)
     except LacoreError as error:
-        return Answer("refused", text=str(error))
+        return RecipeResult("refused", text=str(error))
     except Exception as error:  # anything else is a find
-        return Answer("exception", wrong=Wrong("exception", told(error)), text=told(error))
+        return RecipeResult("exception", wrong=Wrong("exception", told(error)), text=told(error))
     if state.status is not SOLVED:
-        return Answer(state.status.label, state, problem, text=state.message)
+        return RecipeResult(state.status.label, state, problem, text=state.message)
     try:
         scale = scale_of(recipe, problem, state)
         wrong = first(check_state(recipe, problem, state, rng)) if checked else None
     except Exception as error:  # tables that cannot be read are a find, too
-        return Answer("exception", state, problem, wrong=Wrong("exception", told(error)))
-    return Answer(state.status.label, state, problem, scale, wrong, state.message)
+        return RecipeResult("exception", state, problem, wrong=Wrong("exception", told(error)))
+    return RecipeResult(state.status.label, state, problem, scale, wrong, state.message)
 
 
 def told(error: Exception) -> str:

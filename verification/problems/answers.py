@@ -21,7 +21,7 @@ Status = Callable[[str], AbstractContextManager[Callable[[str], None]]]
 
 
 @dataclass(frozen=True)
-class Answer:
+class ProblemResults:
     """Results of a problem.
 
     Attributes:
@@ -133,7 +133,7 @@ def _varied(stated: Stated, given: str | None) -> Varied | None:
     return None
 
 
-def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
+def answered(problem: la.Problem, question: Question, doing: Status) -> ProblemResults:
     """Answer a question.
 
     Args:
@@ -170,7 +170,7 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
                 if own.binding:
                     raise
                 results[name] = text("no result: {}", error.text)
-    return Answer(state, results, time.perf_counter() - begin, advice)
+    return ProblemResults(state, results, time.perf_counter() - begin, advice)
 
 
 def _check_bracket(width: float | None) -> None:

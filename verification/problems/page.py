@@ -13,7 +13,7 @@ from lacore import views
 from lacore.certificate import Certificate
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
-from verification.problems.answers import Answer
+from verification.problems.answers import ProblemResults
 from verification.problems.more import ANALYSES
 from verification.problems.tables import in_units
 from verification.problems.words import claim, friction, loads_told, said_of
@@ -42,7 +42,7 @@ _ROWS = 400  # of a table that a page shows
 
 def page(
     title: str,
-    answer: Answer,
+    answer: ProblemResults,
     told: Mapping[str, str],
     units: Units,
     files: Mapping[str, str],
@@ -84,7 +84,7 @@ def page(
     return Report({INDEX: Document(title, _lead(answer, units), kept, [Facts(told)])})
 
 
-def _lead(answer: Answer, units: Units) -> str:
+def _lead(answer: ProblemResults, units: Units) -> str:
     state, proven, reader = answer.state, answer.bracket, Reader(units, files=True)
     if proven is not None:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"

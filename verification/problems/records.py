@@ -8,12 +8,12 @@ from lacore.files.problem.reading import Stated
 from lacore.reporting.findings import records
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
-from verification.problems.answers import Answer
+from verification.problems.answers import ProblemResults
 from verification.problems.more import ANALYSES
 from verification.problems.words import mechanism
 
 
-def document(stated: Stated, answer: Answer, page: Path | None) -> dict[str, Any]:
+def document(stated: Stated, answer: ProblemResults, page: Path | None) -> dict[str, Any]:
     """All numbers of an answer, and where its files are."""
     state, reader = answer.state, Reader(stated.units, files=True)
     found: dict[str, Any] = {

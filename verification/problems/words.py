@@ -14,7 +14,7 @@ from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 from lacore.showing import counted, listed
 from lacore.status import Claim
-from verification.problems.answers import Answer
+from verification.problems.answers import ProblemResults
 from verification.problems.more import ANALYSES
 from verification.problems.tables import interface_names
 
@@ -44,7 +44,7 @@ def friction(law: Friction, units: Units) -> str:
     return ", ".join([*parts, *(f"{n} {units.told(v, 'Pa')}" for n, v in strengths.items())])
 
 
-def lines(answer: Answer, units: Units) -> dict[str, str]:
+def lines(answer: ProblemResults, units: Units) -> dict[str, str]:
     """Return the lines that describe a result, by name."""
     state, reader = answer.state, Reader(units, files=True)
     one = f"{state.load_factor:.6g}, {claim(state)}"

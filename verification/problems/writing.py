@@ -10,7 +10,7 @@ from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import script
 from lacore.files.problem.varied import Varied
 from verification.problems import more
-from verification.problems.answers import Answer, Status
+from verification.problems.answers import ProblemResults, Status
 from verification.problems.asking import Question
 from verification.problems.page import page
 from verification.problems.words import lines
@@ -33,7 +33,7 @@ def require_writable(folder: Path) -> None:
 
 
 def written(
-    stated: Stated, question: Question, answer: Answer, folder: Path, doing: Status
+    stated: Stated, question: Question, answer: ProblemResults, folder: Path, doing: Status
 ) -> Path:
     """Write all files of an answer; returns the path of its page."""
     files = {SCRIPT: "the same problem as a Python script"}

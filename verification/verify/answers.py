@@ -14,7 +14,7 @@ from verification.runs.row import Row
 from verification.runs.run import Run
 from verification.verdicts.words import SKIPPED
 from verification.verify.bracket import bracket, gap, ranged
-from verification.verify.finding import Answer, Finding
+from verification.verify.finding import CheckResult, Finding
 from verification.verify.limit_state import lambda_below_exact, upper_from_above, value
 from verification.verify.order import order
 from verification.verify.path import path, steps
@@ -84,7 +84,7 @@ def answer(question: Question, finished: Finished) -> Finding:
     given = (
         _BY_CHECK[question.check](question, run, finished)
         if run
-        else Answer(SKIPPED, outcomes[0].row.why)
+        else CheckResult(SKIPPED, outcomes[0].row.why)
     )
     return Finding(
         case=question.case.id,
@@ -110,7 +110,7 @@ def _meshes(question: Question, rows: Sequence[Row]) -> str:
     return ", ".join(row.mesh for row in rows)
 
 
-def _side(question: Question, outcomes: Sequence[Outcome], finished: Finished) -> Answer:
+def _side(question: Question, outcomes: Sequence[Outcome], finished: Finished) -> CheckResult:
     if question.exact:
         pairs = zip(question.runs, question.exact, strict=True)
         beside = {run.key: finished.outcomes[exact.key] for run, exact in pairs}
@@ -118,7 +118,7 @@ def _side(question: Question, outcomes: Sequence[Outcome], finished: Finished) -
     return upper_from_above(outcomes, question.reference)
 
 
-_Check = Callable[[Question, Sequence[Outcome], Finished], Answer]
+_Check = Callable[[Question, Sequence[Outcome], Finished], CheckResult]
 _BY_CHECK: Mapping[str, _Check] = {
     "value": lambda question, outcomes, _: value(outcomes, question.reference),
     "status": lambda question, outcomes, _: value(outcomes, question.reference),

@@ -11,7 +11,7 @@ from verification.runs.outcome import Outcome
 from verification.verdicts.bracket import judge_bracket
 from verification.verdicts.ranging import judge_range
 from verification.verdicts.words import FAIL, PASS, SKIPPED
-from verification.verify.finding import Answer
+from verification.verify.finding import CheckResult
 
 DEFECT = 1e-5
 """By which the sum of shares may differ from the gap, relative to it."""
@@ -23,7 +23,7 @@ _SOLVED = la.Status.SOLVED.label
 _ADAPTED = {"upper", "lower"}
 
 
-def bracket(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+def bracket(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
     """Whether proven load factors enclose the reference, and are as close as the case says.
 
     Judged afresh: the row of a store may be older than the reference.
@@ -41,10 +41,10 @@ def bracket(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
         verdict, why = judge_bracket(row, reference, stated, band)
     else:
         verdict, why = FAIL, row.why
-    return Answer(verdict, f"{run.label}: {why}", row.width, allowed)
+    return CheckResult(verdict, f"{run.label}: {why}", row.width, allowed)
 
 
-def gap(outcomes: Sequence[Outcome]) -> Answer:
+def gap(outcomes: Sequence[Outcome]) -> CheckResult:
     """Whether ``upper - lower`` is the sum of shares, none below 0, on every mesh.
 
     Summed afresh from what is stored.
@@ -56,21 +56,21 @@ def gap(outcomes: Sequence[Outcome]) -> Answer:
     run, row = outcome.run, outcome.row
     allowed = f"<= {DEFECT:g}"
     if row.status != _SOLVED:
-        return Answer(SKIPPED, f"{run.label}: there is no bracket: {row.why}", nan, allowed)
+        return CheckResult(SKIPPED, f"{run.label}: there is no bracket: {row.why}", nan, allowed)
     try:
         found = unpacked_shares(outcome.evidence.arrays)
     except ValueError as error:
-        return Answer(FAIL, f"{run.label}: {error}", nan, allowed)
+        return CheckResult(FAIL, f"{run.label}: {error}", nan, allowed)
     by_mesh = {one.mesh: one for one in found}
     missing = _ADAPTED - set(by_mesh)
     if missing:
         why = f"{run.label}: no gap of the mesh of the {' and the '.join(sorted(missing))} bound"
-        return Answer(FAIL, why, nan, allowed)
+        return CheckResult(FAIL, why, nan, allowed)
     bounds = (by_mesh["lower"].lower, row.lower), (by_mesh["upper"].upper, row.upper)
     if not all(isclose(stored, said, rel_tol=_SAME) for stored, said in bounds):
         why = f"{run.label}: the row says [{row.lower:.9g}, {row.upper:.9g}], the stored meshes"
         why += f" [{bounds[0][0]:.9g}, {bounds[1][0]:.9g}]"
-        return Answer(FAIL, why, nan, allowed)
+        return CheckResult(FAIL, why, nan, allowed)
     defects = {one.mesh: _defect(one) for one in found}
     failed = [one for one in found if not (defects[one.mesh] <= DEFECT and _none_negative(one))]
     worst = failed[0] if failed else max(found, key=lambda one: defects[one.mesh])
@@ -79,7 +79,7 @@ def gap(outcomes: Sequence[Outcome]) -> Answer:
         f" shares add up to {worst.total:.6g}, the gap is {worst.upper - worst.lower:.6g}, the"
         f" least share {worst.least / worst.scale:.1e} of the load"
     )
-    return Answer(FAIL if failed else PASS, why, defects[worst.mesh], allowed)
+    return CheckResult(FAIL if failed else PASS, why, defects[worst.mesh], allowed)
 
 
 def _defect(one: Shares) -> float:
@@ -93,7 +93,7 @@ def _none_negative(one: Shares) -> bool:
     return one.shares.size > 0 and one.least >= -NEGATIVE * one.scale
 
 
-def ranged(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+def ranged(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
     """Whether what was found is right; measured is the width, ``(highest - lowest)/mean``.
 
     NaN around zero. Judged afresh: the row of a store may be older than the reference.
@@ -111,4 +111,4 @@ def ranged(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
         )
     middle = (row.highest + row.lowest) / 2
     width = (row.highest - row.lowest) / middle if middle else nan
-    return Answer(verdict, f"{run.label}: {why}", width)
+    return CheckResult(verdict, f"{run.label}: {why}", width)

@@ -16,7 +16,7 @@ FILE = "checks.csv"
 
 
 @dataclass(frozen=True)
-class Answer:
+class CheckResult:
     """What a check found.
 
     Attributes:

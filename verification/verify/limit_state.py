@@ -15,7 +15,7 @@ from verification.runs.row import Row
 from verification.verdicts.allowed import distance
 from verification.verdicts.limit_state import judge, refutation
 from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.verify.finding import Answer
+from verification.verify.finding import CheckResult
 
 _SOLVED = la.Status.SOLVED.label
 
@@ -38,7 +38,7 @@ def _said(row: Row) -> _Said:
     return _Said(status, row.load_factor, row.coupling, row.message, regularised)
 
 
-def value(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+def value(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
     """Whether load factors lie in their bands, or statuses are those of a reference.
 
     Judged afresh: the row of a store may be older than the reference.
@@ -50,17 +50,19 @@ def value(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
     return _worst([_value(outcome, reference) for outcome in outcomes], abs)
 
 
-def _value(outcome: Outcome, reference: Reference) -> Answer:
+def _value(outcome: Outcome, reference: Reference) -> CheckResult:
     run, row = outcome.run, outcome.row
     if isnan(row.n_elements):  # nothing was solved
-        return Answer(lost_verdict(outcome), f"{run.label}: {row.why}", allowed=reference.text)
+        return CheckResult(lost_verdict(outcome), f"{run.label}: {row.why}", allowed=reference.text)
     band = run.case.band_of(run.variant, int(row.n_elements))
     refuted = refutation(row.claimed, outcome.evidence.residuals)
     own = run.case.reference_of(run.variant)
     verdict, why = judge(_said(row), own, band, run.insist, refuted)
     if reference.status is not la.Status.SOLVED:
-        return Answer(verdict, f"{run.label}: {why}; {reference.formula}", allowed=reference.text)
-    return Answer(
+        return CheckResult(
+            verdict, f"{run.label}: {why}; {reference.formula}", allowed=reference.text
+        )
+    return CheckResult(
         verdict,
         f"{run.label}: {why}; the reference is {reference.text}, {reference.formula}",
         distance(row.load_factor, reference, band),
@@ -74,7 +76,7 @@ def lost_verdict(outcome: Outcome) -> str:
     return NO_RESULT if late and not outcome.run.insist else FAIL
 
 
-def upper_from_above(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+def upper_from_above(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
     """Whether strict upper bounds are not below the reference, by more than solvers may err."""
     return _worst(
         [_upper(outcome, reference) for outcome in outcomes if outcome.row.status == _SOLVED],
@@ -82,12 +84,12 @@ def upper_from_above(outcomes: Sequence[Outcome], reference: Reference) -> Answe
     )
 
 
-def _upper(outcome: Outcome, reference: Reference) -> Answer:
+def _upper(outcome: Outcome, reference: Reference) -> CheckResult:
     run, row = outcome.run, outcome.row
     allowed = f">= -{SOLVER:g}"
     if row.rigor != la.Rigor.UPPER.label:
         why = f"{run.label}: labelled {row.rigor!r}, where a strict upper bound is to be had"
-        return Answer(FAIL, why, nan, allowed)
+        return CheckResult(FAIL, why, nan, allowed)
     above = _relative(row.load_factor - reference.low, reference.low, _band(outcome))
     verdict = PASS if above >= -SOLVER and isfinite(row.load_factor) else FAIL
     side = f"{above:.3g} above" if above >= 0 else f"{-above:.3g} below"
@@ -95,10 +97,10 @@ def _upper(outcome: Outcome, reference: Reference) -> Answer:
         f"{run.label}: the strict upper bound {row.load_factor:.7g} is {side} (relative) the"
         f" reference {reference.low:.7g}, {reference.formula}"
     )
-    return Answer(verdict, why, above, allowed)
+    return CheckResult(verdict, why, above, allowed)
 
 
-def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]) -> Answer:
+def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]) -> CheckResult:
     """Whether ``P <= alpha_reg <= lambda <= alpha*`` (T19), to what both solvers may err.
 
     Args:
@@ -116,7 +118,7 @@ def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]
     )
 
 
-def _lambda(outcome: Outcome, exact: Outcome) -> Answer:
+def _lambda(outcome: Outcome, exact: Outcome) -> CheckResult:
     run, row, star = outcome.run, outcome.row, exact.row.load_factor
     chain = (row.P, row.alpha_reg, row.load_factor, star)
     excess = _relative(float(np.max(-np.diff(chain))), star, _band(outcome))  # NaN stays
@@ -127,7 +129,7 @@ def _lambda(outcome: Outcome, exact: Outcome) -> Answer:
         f" {row.load_factor:.7g}, alpha* = {star:.7g} of {exact.row.backend}"
         f" {'in this order' if verdict == PASS else f'out of order by {excess:.3g} (relative)'}"
     )
-    return Answer(verdict, why, excess, f"<= {allowed:g}")
+    return CheckResult(verdict, why, excess, f"<= {allowed:g}")
 
 
 def _band(outcome: Outcome) -> Band:
@@ -138,14 +140,14 @@ def _relative(difference: float, value: float, band: Band) -> float:
     return difference / (band.size(value) or 1.0)
 
 
-def _worst(answers: Sequence[Answer], badness: Callable[[float], float]) -> Answer:
+def _worst(answers: Sequence[CheckResult], badness: Callable[[float], float]) -> CheckResult:
     """The first failure, or no result, or no reference, or else the answer that is worst."""
     if not answers:
-        return Answer(SKIPPED, "no run was solved: there is nothing to look at")
+        return CheckResult(SKIPPED, "no run was solved: there is nothing to look at")
     for verdict in (FAIL, NO_RESULT):
         found = [answer for answer in answers if answer.verdict == verdict]
         if found:
             more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-            return Answer(verdict, found[0].why + more, found[0].measured, found[0].allowed)
+            return CheckResult(verdict, found[0].why + more, found[0].measured, found[0].allowed)
     answers = [answer for answer in answers if answer.verdict == NO_REFERENCE] or answers
     return max(answers, key=lambda a: -inf if isnan(a.measured) else badness(a.measured))

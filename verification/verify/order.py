@@ -10,11 +10,11 @@ from verification.case import SOLVER
 from verification.runs.outcome import Outcome
 from verification.verdicts.allowed import distance
 from verification.verdicts.words import FAIL, PASS, SKIPPED
-from verification.verify.finding import Answer
+from verification.verify.finding import CheckResult
 from verification.verify.questions import Question
 
 
-def order(question: Question, outcomes: Sequence[Outcome]) -> Answer:
+def order(question: Question, outcomes: Sequence[Outcome]) -> CheckResult:
     """Whether the error falls as ``elements**-p`` over the whole ladder with the p that is stated.
 
     p must lie within the tolerance of the case, and its 95 % confidence interval must be no wider:
@@ -29,24 +29,24 @@ def order(question: Question, outcomes: Sequence[Outcome]) -> Answer:
     name = f"{question.case.id}:{question.variant.name} with {question.backend}"
     if len(outcomes) < len(question.runs):
         why = f"{name}: {len(outcomes)} of {len(question.runs)} meshes could be run"
-        return Answer(SKIPPED, why, nan, allowed)
+        return CheckResult(SKIPPED, why, nan, allowed)
     for outcome in outcomes:
         if outcome.row.status != la.Status.SOLVED.label:
             why = f"{outcome.run.label}: {outcome.row.why}: there is no ladder without it"
-            return Answer(FAIL, why, nan, allowed)
+            return CheckResult(FAIL, why, nan, allowed)
     elements = [outcome.row.n_elements for outcome in outcomes]
     errors = [_error(question, outcome) for outcome in outcomes]
     fit = fit_slope(np.array(elements), np.array(errors), SOLVER, fewest=len(outcomes))
     over = f"over {len(elements)} meshes of {min(elements):g} to {max(elements):g} elements"
     if fit.reason:
-        return Answer(FAIL, f"{name}: no order {over}: {fit.reason}", nan, allowed)
+        return CheckResult(FAIL, f"{name}: no order {over}: {fit.reason}", nan, allowed)
     measured, half = -fit.slope, (fit.high - fit.low) / 2
     holds = stated.holds(measured) and half <= stated.tolerance
     why = (
         f"{name}: the error falls as elements^-{measured:.3f} ± {half:.3f} (95 %) {over}, expected"
         f" {allowed}"
     )
-    return Answer(PASS if holds else FAIL, why, measured, allowed)
+    return CheckResult(PASS if holds else FAIL, why, measured, allowed)
 
 
 def _error(question: Question, outcome: Outcome) -> float:

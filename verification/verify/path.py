@@ -11,12 +11,12 @@ from verification.case.following import ORDER_TOLERANCE, ORDERS
 from verification.runs.outcome import Outcome
 from verification.verdicts.path import judge_path
 from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.verify.finding import Answer
+from verification.verify.finding import CheckResult
 from verification.verify.limit_state import lost_verdict
 from verification.verify.questions import Question
 
 
-def path(outcomes: Sequence[Outcome]) -> Answer:
+def path(outcomes: Sequence[Outcome]) -> CheckResult:
     """Whether paths end as they must, with loads in their bands all the way.
 
     Judged afresh: the row of a store may be older than the reference.
@@ -29,19 +29,19 @@ def path(outcomes: Sequence[Outcome]) -> Answer:
     return max(answers, key=lambda one: np.nan_to_num(one.measured))
 
 
-def _path(outcome: Outcome) -> Answer:
+def _path(outcome: Outcome) -> CheckResult:
     run, row = outcome.run, outcome.row
     if not row.ending or isnan(row.n_elements):  # nothing was solved
-        return Answer(lost_verdict(outcome), f"{run.label}: {row.why}")
+        return CheckResult(lost_verdict(outcome), f"{run.label}: {row.why}")
     band = run.case.band_of(run.variant, int(row.n_elements))
     reference = run.case.reference_of(run.variant)
     stated = run.case.following_of(run.variant)
     verdict, why = judge_path(row, stated, reference, band, run.insist)
     allowed = "" if isnan(row.path_error) else f"<= {max(band.below, band.above):.3g}"
-    return Answer(verdict, f"{run.label}: {why}", row.path_error, allowed)
+    return CheckResult(verdict, f"{run.label}: {why}", row.path_error, allowed)
 
 
-def steps(question: Question, outcomes: Sequence[Outcome]) -> Answer:
+def steps(question: Question, outcomes: Sequence[Outcome]) -> CheckResult:
     """Whether the largest error of a path falls as ``steps**-p`` with the p of the scheme."""
     # Here, because it takes most of a second that other commands need not wait for.
     from verification.analysis.slope_fits import fit_slope
@@ -52,17 +52,17 @@ def steps(question: Question, outcomes: Sequence[Outcome]) -> Answer:
     name = f"{question.case.id}:{question.variant.name} with {question.backend}, {stated.scheme}"
     if len(outcomes) < len(question.runs):
         why = f"{name}: {len(outcomes)} of {len(question.runs)} paths could be run"
-        return Answer(SKIPPED, why, nan, allowed)
+        return CheckResult(SKIPPED, why, nan, allowed)
     for outcome in outcomes:
         if outcome.row.status != la.Status.SOLVED.label or isnan(outcome.row.path_error):
             why = f"{outcome.run.label}: {outcome.row.why}: there is no ladder without it"
-            return Answer(FAIL, why, nan, allowed)
+            return CheckResult(FAIL, why, nan, allowed)
     counts = np.array([float(outcome.run.parameters["steps"]) for outcome in outcomes])
     errors = np.array([outcome.row.path_error for outcome in outcomes])
     fit = fit_slope(counts, errors, SOLVER, fewest=len(outcomes))
     over = f"over {counts.min():g} to {counts.max():g} steps"
     if fit.reason:
-        return Answer(FAIL, f"{name}: no order {over}: {fit.reason}", nan, allowed)
+        return CheckResult(FAIL, f"{name}: no order {over}: {fit.reason}", nan, allowed)
     holds = abs(-fit.slope - expected) <= ORDER_TOLERANCE
     why = f"{name}: the error falls as steps^-{-fit.slope:.3f} {over}, expected {allowed}"
-    return Answer(PASS if holds else FAIL, why, -fit.slope, allowed)
+    return CheckResult(PASS if holds else FAIL, why, -fit.slope, allowed)

@@ -31,7 +31,7 @@ _AT_A_TIME = 2  # directions that are chosen at a time, whoever solves them
 
 
 @dataclass(frozen=True)
-class Answer:
+class DirectionBounds:
     """What is proven along one direction.
 
     Attributes:
@@ -74,12 +74,12 @@ class Asking:
     deforms: bool
     jobs: int
 
-    def answers(self, centre: Floats, ways: Sequence[Floats]) -> list[Answer]:
+    def answers(self, centre: Floats, ways: Sequence[Floats]) -> list[DirectionBounds]:
         """In the order of directions, the same whatever `jobs`."""
         jobs = self.jobs if min(self.jobs, len(ways)) < 2 else 1  # of each direction
         return list(each(lambda way: self.answer(centre, way, jobs), ways, self.jobs))
 
-    def answer(self, centre: Floats, direction: Floats, jobs: int) -> Answer:
+    def answer(self, centre: Floats, direction: Floats, jobs: int) -> DirectionBounds:
         """Both bounds along a direction.
 
         Raises:
@@ -91,7 +91,7 @@ class Asking:
             lower, upper, status, rigors, plane = self._bounds(stated, jobs)
         else:
             lower, upper, status, rigors, plane = self._state(stated)
-        return Answer(
+        return DirectionBounds(
             centre=centre,
             direction=direction,
             lower=lower,
@@ -102,7 +102,7 @@ class Asking:
             seconds=time.perf_counter() - begin,
         )
 
-    def _state(self, stated: Problem) -> "_Found":
+    def _state(self, stated: Problem) -> "_Bounds":
         """Of rigid parts: one load factor, exact but for its residuals; or a Coulomb state."""
         state = solve(stated, self.backend, options=self.options)
         value, wrong = worth(state), error(state)
@@ -124,7 +124,7 @@ class Asking:
         plane = state.discretisation.problem, state.point.velocity
         return lower if np.isfinite(lower) else np.nan, upper, label, rigors, plane
 
-    def _bounds(self, stated: Problem, jobs: int) -> "_Found":
+    def _bounds(self, stated: Problem, jobs: int) -> "_Bounds":
         """Strict bounds of the continuum, on the mesh or on refined ones."""
         if self.target is not None:
             found = bracket(
@@ -156,7 +156,7 @@ def _falling() -> InputError:
     )
 
 
-_Found = tuple[float, float, str, frozenset[Rigor], tuple[Problem, Floats] | None]
+_Bounds = tuple[float, float, str, frozenset[Rigor], tuple[Problem, Floats] | None]
 
 
 @dataclass
@@ -183,7 +183,7 @@ class Search:
         """Directions at a time; whether any of them gives a point or a plane."""
         return [self._keep(answer) for answer in self.asking.answers(centre, ways)]
 
-    def _keep(self, answer: Answer) -> bool:
+    def _keep(self, answer: DirectionBounds) -> bool:
         reach = answer.lower
         if reach == np.inf:  # it is carried at any size, so at the one that was asked, too
             reach = 1.0 if self.asking.convex else np.nan

@@ -50,7 +50,7 @@ def tolerances(monkeypatch):
 def test_an_upper_bound_that_loses_much_is_asked_for_again(tolerances):
     """What makes a loose velocity of soil possible raises the load factor."""
     solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
-    loose = asking.Asked("upper", sand_punch(), 1e-4)
+    loose = asking.RequestedBound("upper", sand_punch(), 1e-4)
     first = solver.answer(loose)
     assert first.sharper == 1
     assert first.bound.lost > 0
@@ -70,7 +70,7 @@ def test_the_better_of_two_bounds_is_kept_and_none_is_asked_for_too_sharply(monk
 
     monkeypatch.setattr(asking.Solver, "_bound", bound)
     solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
-    loose = asking.Asked("upper", sand_punch(), 1e-6, affordable=1e-9)
+    loose = asking.RequestedBound("upper", sand_punch(), 1e-6, affordable=1e-9)
     assert solver.answer(loose).bound.lost == 1.0  # the second loses more
     assert solver.answer(loose).bound.lost == 0.5
     assert asked == pytest.approx([1e-6, asking.TIGHTEST] * 2, rel=1e-12)
@@ -78,7 +78,7 @@ def test_the_better_of_two_bounds_is_kept_and_none_is_asked_for_too_sharply(monk
 
 def test_a_given_tolerance_is_kept_whatever_is_lost(tolerances):
     solver = asking.Solver("clarabel", {"tolerance": 1e-4}, time.perf_counter() + 60, 1)
-    answer = solver.answer(asking.Asked("upper", sand_punch(), 1e-6, affordable=0.0))
+    answer = solver.answer(asking.RequestedBound("upper", sand_punch(), 1e-6, affordable=0.0))
     assert answer.sharper == 1
     assert list(tolerances.values()) == [[1e-4]]
 
@@ -173,7 +173,7 @@ def test_what_is_not_proven_is_asked_once_more_as_the_backend_would(monkeypatch)
 
     monkeypatch.setattr(asking, "lower_bound", careless)
     solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
-    found = solver.answer(asking.Asked("lower", even_punch(), 1e-6)).bound
+    found = solver.answer(asking.RequestedBound("lower", even_punch(), 1e-6)).bound
     assert found.status is la.Status.SOLVED
     assert seen == [1e-6, None]
 

@@ -18,7 +18,7 @@ from verification.fuzz.programs.judge import (
     NOTHING,
     RIGHT,
     WRONG,
-    Asked,
+    ProgramRun,
     ask,
     proven,
     recomputed,
@@ -93,7 +93,7 @@ def test_a_number_is_judged_by_residuals_whatever_is_said_of_it(drawn, solved):
 
 def test_a_word_is_wrong_beside_a_number_and_else_needs_a_proof(drawn, solved):
     answer = InnerSolution(Status.LOCKED, "locked", 1, 0.0, None)
-    word = Asked("other", answer, float("nan"), 0.0)
+    word = ProgramRun("other", answer, float("nan"), 0.0)
     assert verdict(word, drawn, [solved]) == WRONG
     assert verdict(word, drawn, [replace(word, backend="third")]) == RIGHT
     assert verdict(word, drawn, []) == NOTHING

@@ -19,7 +19,7 @@ from tests.conftest import ROOT
 from tests.lacore.files.problem import footing
 from tests.verification.command_line import lacore
 from verification.problems import starters
-from verification.problems.answers import Answer
+from verification.problems.answers import ProblemResults
 from verification.problems.words import lines
 
 STARTERS = starters.titles()
@@ -81,12 +81,12 @@ def test_what_a_state_adds_to_its_load_factor_is_told():
     assert [own.kind for own in state.findings] == [Kind.OTHER_LOAD_FACTORS]
     reaches = Finding(Kind.REACHES_SUPPORT, ("sand.right",))
     reached = replace(state, findings=(*state.findings, reaches))
-    told = lines(Answer(reached, {}, 0.0), Units())
+    told = lines(ProblemResults(reached, {}, 0.0), Units())
     assert told["note"].startswith(
         "other load factors may exist, because flow is not associated; --range searches for them;"
         " the mechanism reaches sand.right"
     )
-    nothing = Answer(replace(state, findings=()), {}, 0.0)
+    nothing = ProblemResults(replace(state, findings=()), {}, 0.0)
     assert "note" not in lines(nothing, Units())
 
 

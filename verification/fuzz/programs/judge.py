@@ -39,7 +39,7 @@ _WORDS = (Status.LOCKED, Status.UNSAFE)
 
 
 @dataclass(frozen=True)
-class Asked:
+class ProgramRun:
     """What a backend said of a program.
 
     Attributes:
@@ -87,12 +87,12 @@ class Asked:
         return nan if point is None else point.load_factor
 
 
-def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> Asked:
+def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
     """One solve of a program, in good units, as `lacore.solve` asks for it."""
     try:
         check_capable(backend, drawn.program)
     except CapabilityError:
-        return Asked(backend.name, None, nan, 0.0)
+        return ProgramRun(backend.name, None, nan, 0.0)
     begin = _spent(backend)
     own = read_options(backend, options)
     watched = _Watched(backend)
@@ -110,7 +110,7 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> Asked:
     residual = nan if answer.point is None else recomputed(drawn, answer)
     note = take_note(backend)
     faults = [*watched.faults, *([note] if LEFT_RUNNING in note else [])]
-    return Asked(backend.name, answer, residual, seconds, next(iter(faults), ""))
+    return ProgramRun(backend.name, answer, residual, seconds, next(iter(faults), ""))
 
 
 def take_note(backend: Backend) -> str:
@@ -168,7 +168,7 @@ def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
     return left_over(drawn.program, answer.point, drawn.contact)[1]
 
 
-def verdict(asked: Asked, drawn: Drawn, others: Sequence[Asked]) -> str:
+def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> str:
     """What an answer is worth, beside those of others.
 
     A fault is wrong, whatever else was answered. A number is right by its residuals. A word is

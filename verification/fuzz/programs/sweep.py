@@ -9,7 +9,15 @@ import numpy as np
 from lacore.backend import Backend
 from lacore.status import Status
 from verification.fuzz.programs.drawn import DRAWN, Drawn, draw_program
-from verification.fuzz.programs.judge import NOTHING, REFUSED, RIGHT, WRONG, Asked, ask, verdict
+from verification.fuzz.programs.judge import (
+    NOTHING,
+    REFUSED,
+    RIGHT,
+    WRONG,
+    ProgramRun,
+    ask,
+    verdict,
+)
 
 LARGE = 1500  # unknowns: at least half of all programs have as many
 THEN = ", then "
@@ -89,7 +97,9 @@ def in_turn(rows: Sequence[Row]) -> Row:
     return replace(rows[last], backend=THEN.join(row.backend for row in rows), seconds=seconds)
 
 
-def _row(family: str, place: int, drawn: Drawn, one: Asked, others: Sequence[Asked]) -> Row:
+def _row(
+    family: str, place: int, drawn: Drawn, one: ProgramRun, others: Sequence[ProgramRun]
+) -> Row:
     answer = one.answer
     return Row(
         family=family,
