@@ -20,6 +20,7 @@ from tests.test_layers import (  # noqa: E402
     HOUSES,
     LACORE,
     MECHANICS_WING,
+    PLACES,
     SOLVER_WING,
     module_of,
     rooms_seen,
@@ -48,7 +49,7 @@ _ROW, _COLUMN, _NAME, _TEXT = 17, 13, 106, 532  # px: cells of the matrix, names
 def imported(house: str) -> dict[str, set[str]]:
     """Return what each package imports, anywhere in its files, in the order of the packages."""
     found: dict[str, set[str]] = {name: set() for name in HOUSES[house]}
-    for path in (ROOT / house).rglob("*.py"):
+    for path in PLACES[house].rglob("*.py"):
         own = module_of(path).split(".")[1]
         if own in found:  # not __init__.py of the top-level package
             found[own] |= rooms_seen(path, house) - {own}
@@ -57,7 +58,7 @@ def imported(house: str) -> dict[str, set[str]]:
 
 def purpose(house: str, name: str) -> str:
     """Return the first sentence of the docstring of a package."""
-    place = ROOT / house / name
+    place = PLACES[house] / name
     file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
     text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
     first = text.partition("\n")[0]
@@ -153,7 +154,7 @@ def pictures() -> dict[str, str]:
     """Return all pictures by the names of their files."""
     return {
         "packages.svg": layers_of_lacore(),
-        **{f"imports-{house}.svg": matrix(house) for house in HOUSES},
+        **{f"imports-{house.removeprefix('lacore_')}.svg": matrix(house) for house in HOUSES},
     }
 
 

@@ -23,8 +23,8 @@ HOME = Path(la.__file__).parent
 ROOT = HOME.parent
 PAGE = ROOT / "docs" / "architecture.md"
 OTHERS = {"backends", "verification"}
-"""Packages outside lacore that are counted; each is one."""
-LACORE = f"{HOME}{os.sep}"  # with the separator, which excludes lacore_start
+"""Folders outside lacore that are counted; each is one package."""
+LACORE = f"{HOME}{os.sep}"
 MOST = {"block solve": 400, "path step": 800, "bracket": 800, "Coulomb range": 5000}
 """Entries that each analysis should not exceed."""
 

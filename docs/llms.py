@@ -15,9 +15,10 @@ from typing import Any
 import click
 
 import lacore as la
-from lacore_start.__main__ import BAD_INPUT, STOPPED
-from verification.commands.cli import main as commands
-from verification.problems import starters
+from lacore_verification.commands.cli import main as commands
+from lacore_verification.defaults import STOPPED
+from lacore_verification.problems import starters
+from lacore_verification.usage import BAD_INPUT
 
 FILE = Path(__file__).parents[1] / "lacore" / "llms.txt"
 ABOUT = """\

@@ -23,15 +23,15 @@ from matplotlib.figure import Figure
 
 import lacore as la
 from lacore.errors import require_known
-from verification.campaigns.comparison import plan
-from verification.campaigns.run_all import run_all
-from verification.case.band import BRACKET
-from verification.catalogue.catalogue import find
-from verification.problems.starters import text as starter
-from verification.runs.outcome import Outcome
-from verification.runs.run import Run
-from verification.verdicts.allowed import distance
-from verification.verdicts.words import PASS
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.case.band import BRACKET
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.problems.starters import text as starter
+from lacore_verification.runs.outcome import Outcome
+from lacore_verification.runs.run import Run
+from lacore_verification.verdicts.allowed import distance
+from lacore_verification.verdicts.words import PASS
 
 ROOT = Path(__file__).parent.parent
 BRACKETED = (
@@ -50,7 +50,7 @@ SOLVED = (
 """Cases with Coulomb friction, of which a state is certified."""
 _DIGIT = 1e-4  # of bounds in the table: lower ones are rounded down, upper ones up
 TIMED = {
-    "lacore compare": [sys.executable, "-m", "verification", "compare", "--out"],
+    "lacore compare": [sys.executable, "-m", "lacore_verification", "compare", "--out"],
     "make test": ["make", "test"],
 }
 """The first two commands; one that ends with ``--out`` gets a new folder."""

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.processes import SOURCES
 from tests.slices import BUDGET, LATE, SLICES, Budget, slice_of, slice_of_today
 
 for name, examples in {"fast": 5, "all": 40}.items():
@@ -93,7 +94,7 @@ def with_example(tmp_path_factory):
     source, target = folder / "source", folder / "site"
     # A copy: a build leaves its artefacts beside its sources.
     shutil.copytree(ROOT / "examples" / "lacore-ecos", source)
-    path = os.pathsep.join([str(target), str(ROOT)])
+    path = os.pathsep.join([str(target), *SOURCES])
     ours = {name: value for name, value in os.environ.items() if not name.startswith("PIP_")}
     environment = ours | {"PYTHONPATH": path, "PIP_CONFIG_FILE": os.devnull}
 

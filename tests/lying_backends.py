@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 import lacore as la
-from backends.clarabel_socp import Clarabel, ClarabelOptions
 from lacore.numerics.read_only import arrays_of
+from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
 
 
 class Honest:

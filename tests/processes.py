@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+ROOT = Path(__file__).parents[1]
+SOURCES = tuple(map(str, (ROOT, ROOT / "backends", ROOT / "verification")))
+"""Folders with our packages, for PYTHONPATH."""
 MARK = "LACORE_TEST_MARK"
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("lacore", "lacore_start", "backends", "verification", "docs", "examples", "reports")
+FOLDERS = ("lacore", "backends", "verification", "docs", "examples", "reports")
 MOST_BRANCHES = 20
 UNDER_WORK = {"sequential", "coulomb_range", "soil_range"}  # still to be split
 

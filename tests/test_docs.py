@@ -14,7 +14,7 @@ import pytest
 
 import lacore as la
 from lacore.errors import DISTRIBUTION
-from tests.test_layers import script_of
+from tests.test_layers import PLACES, script_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "backends.md").read_text(encoding="utf-8")
@@ -64,7 +64,7 @@ def test_commands_run(with_example):
     assert (ROOT / install[-1]).samefile(EXAMPLE)
     for program, *arguments in commands:
         assert program == "lacore"
-        ran = with_example("verification", *arguments)
+        ran = with_example("lacore_verification", *arguments)
         assert ran.returncode == 0, ran.stderr
         assert "ecos" in ran.stdout
 
@@ -143,7 +143,7 @@ def test_optional_dependencies_are_installed_by_the_name_of_the_distribution():
     assert PYPROJECT["project"]["name"] == DISTRIBUTION
 
 
-NAME = re.compile(r"(?<![\w./-])(?:lacore|verification|backends)(?:\.[A-Za-z_]\w+)+")
+NAME = re.compile(r"(?<![\w./-])(?:lacore|lacore_backends|lacore_verification)(?:\.[A-Za-z_]\w+)+")
 FILE = re.compile(r"(?<![\w./-])(?:lacore|verification|backends|docs|examples|tests)/[\w./-]*\w")
 GROUPS = {"lacore.backends", "lacore.cases"}  # of entry points, not modules
 
@@ -166,7 +166,8 @@ def test_modules_and_files_that_are_named_exist():
 def _known(name):
     """Whether a module has that name, or something in one; only the latter is imported."""
     parts = name.split(".")
-    places = [ROOT.joinpath(*parts[:count]) for count in range(1, len(parts) + 1)]
+    folder = PLACES[parts[0]].parent
+    places = [folder.joinpath(*parts[:count]) for count in range(1, len(parts) + 1)]
     found = sum(place.is_dir() or place.with_suffix(".py").exists() for place in places)
     if found == len(parts):
         return True

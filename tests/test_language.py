@@ -10,15 +10,15 @@ import re
 import click
 import pytest
 
+from lacore_verification.commands import cli
+from lacore_verification.problems import starters
 from tests.conftest import ROOT
-from verification.commands import cli
-from verification.problems import starters
 
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "lacore").glob("*.txt")),
-    *sorted((ROOT / "verification" / "report").glob("*.j2")),
+    *sorted((ROOT / "verification" / "lacore_verification" / "report").glob("*.j2")),
 ]
 ITEM = "line|page|row|process|card|picture|solve|table|step|test|file"
 PRIVATE = {

@@ -25,7 +25,11 @@ KINDS_OF_THINGS = {
     *("Body", "BlockAssembly", "Frame", "BodyDofs", "RigidDofs", "FrameDofs", "EquilibriumDofs"),
     *("PointForce", "BodyForce", "RigidFooting", "Traction", "Pressure", "RigidObstacle"),
 }
-ROOMS = ("lacore", "lacore_start", "backends", "verification")
+PLACES = {
+    "lacore": ROOT / "lacore",
+    "lacore_backends": ROOT / "backends" / "lacore_backends",
+    "lacore_verification": ROOT / "verification" / "lacore_verification",
+}
 LACORE = (
     *(
         "arrays",
@@ -52,10 +56,10 @@ VERIFICATION = (
     *("conformance", "usage", "commands", "__main__", "case_checks"),
 )
 """Those of verification, alike."""
-HOUSES = {"lacore": LACORE, "verification": VERIFICATION}
+HOUSES = {"lacore": LACORE, "lacore_verification": VERIFICATION}
 SOLVER_WING = LACORE[LACORE.index("solvers") : LACORE.index("materials")]
 MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
-NAMED = r"(lacore|backends|verification)[\w.]*:\w+"
+NAMED = r"lacore[\w.]*:\w+"
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
 
@@ -111,10 +115,11 @@ def imports(path):
     return contents(path).imported
 
 
-def files(folder):
-    """Return the Python files of a folder; an empty list would make a check pass without a test."""
-    found = sorted((ROOT / folder).rglob("*.py"))
-    assert found, f"no files in {folder}"
+def files(package):
+    """Return the Python files of a package; without any, a check would pass without a test."""
+    top, *inside = package.split(".")
+    found = sorted(PLACES[top].joinpath(*inside).rglob("*.py"))
+    assert found, f"no files in {package}"
     return found
 
 
@@ -142,13 +147,13 @@ def within(name, package):
 
 
 def test_the_core_knows_no_solver_and_no_case():
-    banned = ("backends", "verification", *SOLVERS)
+    banned = ("lacore_backends", "lacore_verification", *SOLVERS)
     assert offenders(files("lacore"), imports_within(banned)) == {}
 
 
 @pytest.mark.parametrize("house", HOUSES)
 def test_imports_run_one_way(house):
-    """Wherever in a file they stand; of `from verification import progress` the room is that."""
+    """Wherever in a file they stand; of `from package import room` the room is that."""
     order = HOUSES[house]
 
     def imported_from_later(path):
@@ -180,7 +185,7 @@ def test_every_door_opens(view):
 
 @pytest.mark.parametrize("house", HOUSES)
 def test_every_room_has_its_place(house):
-    there = {room_of(path) for path in (ROOT / house).rglob("*.py")}
+    there = {room_of(path) for path in files(house)}
     assert there - {"__init__"} == set(HOUSES[house])
 
 
@@ -195,10 +200,10 @@ def rooms_seen(path, house):
     return seen - {"__version__"}
 
 
-@pytest.mark.parametrize("house", ["lacore", "verification", "backends"])
+@pytest.mark.parametrize("house", PLACES)
 def test_no_file_needs_itself(house):
     """Of modules, inside of rooms too; imports for types alone need nothing."""
-    found = {module_of(path): path for path in (ROOT / house).rglob("*.py")}
+    found = {module_of(path): path for path in files(house)}
     needs = {
         name: {known(seen, found) for seen in contents(path).at_runtime} - {name, None}
         for name, path in found.items()
@@ -208,7 +213,8 @@ def test_no_file_needs_itself(house):
 
 
 def module_of(path):
-    return ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[parts[0] != "lacore" :])
 
 
 def known(name, found):
@@ -220,7 +226,7 @@ def known(name, found):
 def test_a_room_is_seen_at_a_glance(house):
     """Cases are as many as there are."""
     crowded, long = {}, {}
-    for folder in {path.parent for path in (ROOT / house).rglob("*.py")}:
+    for folder in {path.parent for path in files(house)}:
         held = list(folder.glob("*.py"))
         if len(held) > MOST_FILES and folder.name != "cases":
             crowded[str(folder.relative_to(ROOT))] = len(held)
@@ -275,13 +281,14 @@ def script_of(name):
 
 def test_a_backend_knows_the_core_only():
     """And private modules beside it, which are no backends: what several share exists once."""
-    banned = ("backends", "verification", "skfem", "matplotlib")
-    assert offenders(files("backends"), imports_within(banned, ignored=("backends._",))) == {}
+    banned = ("lacore_backends", "lacore_verification", "skfem", "matplotlib")
+    shared = ("lacore_backends._",)
+    assert offenders(files("lacore_backends"), imports_within(banned, ignored=shared)) == {}
 
 
 def test_a_case_knows_no_backend():
-    banned = ("backends", *SOLVERS)
-    assert offenders(files("verification/cases"), imports_within(banned)) == {}
+    banned = ("lacore_backends", *SOLVERS)
+    assert offenders(files("lacore_verification.cases"), imports_within(banned)) == {}
 
 
 def test_the_harness_knows_no_backend_by_name():
@@ -292,22 +299,11 @@ def test_the_harness_knows_no_backend_by_name():
     def named(path):
         return names & contents(path).constants
 
-    own = [path for path in files("verification") if room_of(path) not in ("cases", "fuzz")]
+    own = [path for path in files("lacore_verification") if room_of(path) not in ("cases", "fuzz")]
     assert offenders(own, named) == {}
 
 
-def test_the_start_knows_the_standard_library_only():
-    """It speaks of our packages where they cannot be imported, and opens the command line."""
-    names = {name for path in (ROOT / "lacore_start").glob("*.py") for name in imports(path)}
-    ours = {
-        "lacore_start",
-        "lacore_start.hidden",
-        "verification.commands.cli",
-        "verification.commands.cli.main",
-    }
-    assert not {name.partition(".")[0] for name in names - ours} - sys.stdlib_module_names
-
-
+OTHERS = ("lacore_backends", "lacore_verification")
 HEAVY = (
     *("matplotlib", "pandas", "scipy", "skfem", "shapely", "meshio", "pypardiso", "PIL", "ezdxf"),
     "numba",
@@ -320,11 +316,11 @@ HEAVY = (
 @pytest.mark.parametrize(
     ("code", "more"),
     [
-        ("import lacore", ("numpy", "lacore.errors", "backends", "verification")),
-        ("import lacore.solvers.child_process", ("numpy", "backends", "verification")),
-        ("import lacore.solvers.isolation", ("pandas", "skfem", "backends", "verification")),
+        ("import lacore", ("numpy", "lacore.errors", *OTHERS)),
+        ("import lacore.solvers.child_process", ("numpy", *OTHERS)),
+        ("import lacore.solvers.isolation", ("pandas", "skfem", *OTHERS)),
         ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.limit.solve",)),
-        ("import verification", ("numpy", "lacore", "backends")),
+        ("import lacore_verification.__main__", ("numpy", "lacore", "lacore_backends", "click")),
     ],
 )
 def test_names_load_what_they_need_only(code, more):
@@ -345,14 +341,19 @@ def test_help_and_slips_of_the_keyboard_load_nothing_that_solves_or_draws():
         ["fuzz", "--help"],
     ]
     call = f"""
-from verification.commands.cli import main
+from lacore_verification.commands.cli import main
 for arguments in {asked!r}:
     try:
         main(arguments)
     except SystemExit:
         pass"""
-    banned = [*HEAVY, "backends", "lacore.limit.solve", "verification.perform.processes"]
-    assert loaded_of(call, [*banned, "verification.cases.prandtl_punch"]) == []
+    banned = [
+        *HEAVY,
+        "lacore_backends",
+        "lacore.limit.solve",
+        "lacore_verification.perform.processes",
+    ]
+    assert loaded_of(call, [*banned, "lacore_verification.cases.prandtl_punch"]) == []
 
 
 def test_every_name_that_lacore_promises_is_there():
@@ -381,8 +382,8 @@ def printed_by(code):
     return run.stdout.strip()
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_what_is_imported_is_installed_with_us(room):
+@pytest.mark.parametrize("house", PLACES)
+def test_what_is_imported_is_installed_with_us(house):
     """Packages of others are named in pyproject.toml; this environment may have them by luck."""
     stated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lines = [*stated["dependencies"], *chain(*stated["optional-dependencies"].values())]
@@ -390,9 +391,9 @@ def test_what_is_imported_is_installed_with_us(room):
     owners = owners_of_packages()
     missing = {
         f"{path.relative_to(ROOT)}: {top}"
-        for path in (ROOT / room).rglob("*.py")
+        for path in files(house)
         for top in {name.split(".")[0] for name in imports(path)}
-        if top not in (*sys.stdlib_module_names, *ROOMS)
+        if top not in (*sys.stdlib_module_names, *PLACES)
         and not named & set(map(_normal, owners.get(top, [top])))
     }
     assert not missing

@@ -9,10 +9,10 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
+from lacore_verification.commands.cli import main
+from lacore_verification.problems import starters
 from tests.conftest import ROOT
 from tests.test_layers import script_of
-from verification.commands.cli import main
-from verification.problems import starters
 
 SCRIPT = script_of("llms")
 TEXT = files("lacore").joinpath("llms.txt").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ SURGERY = {
 }
 CUT = {  # texts of others, shortened because they may be of any length
     ("lacore/solvers/contract.py", "answer.message[:_LONGEST_MESSAGE]"),
-    ("verification/commands/fuzz.py", "outcome.row.why[:160]"),
+    ("verification/lacore_verification/commands/fuzz.py", "outcome.row.why[:160]"),
 }
 
 

@@ -9,9 +9,9 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
+from lacore_verification.catalogue.catalogue import catalogue
 from tests.conftest import ROOT
 from tests.verification.report.browser import Visit, chromium, idle_pages, visit
-from verification.catalogue.catalogue import catalogue
 
 __all__ = ["chromium", "idle_pages", "visit"]
 

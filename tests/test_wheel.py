@@ -24,7 +24,8 @@ import lacore as la
 from lacore.errors import DISTRIBUTION
 from tests.conftest import ROOT
 
-ROOMS = ("lacore", "lacore_start", "backends", "verification")
+PLACES = {"lacore": ".", "lacore_backends": "backends", "lacore_verification": "verification"}
+"""Packages of the wheel, and the folders of the repository that contain them."""
 KINDS = (".py", ".pyi", ".typed", ".j2", ".toml", ".json", ".txt")
 STEM = f"{DISTRIBUTION.replace('-', '_')}-{la.__version__}"
 BUILD = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
@@ -91,8 +92,11 @@ def installed(wheel, tmp_path_factory):
     return target, lambda *command: run(sys.executable, *command, at=empty, PYTHONPATH=str(target))
 
 
-def files(place):
-    found = (file.relative_to(place) for room in ROOMS for file in (place / room).rglob("*"))
+def files(places):
+    """Files of our packages by their names in a wheel; `places`: package, and where it lies."""
+    found = (
+        file.relative_to(place) for name, place in places for file in (place / name).rglob("*")
+    )
     return {file for file in found if file.suffix in KINDS}
 
 
@@ -108,7 +112,7 @@ def test_the_source_distribution_is_complete(source, sdist):
 def test_the_wheel_contains_our_packages_and_no_tests(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
-    assert {name.partition("/")[0] for name in names} == {*ROOMS, f"{STEM}.dist-info"}
+    assert {name.partition("/")[0] for name in names} == {*PLACES, f"{STEM}.dist-info"}
     assert [name for name in names if re.search(r"(^|/)(test_\w*|conftest)\.py$", name)] == []
 
 
@@ -126,19 +130,21 @@ def test_the_metadata_of_the_wheel_state_name_and_version(wheel):
 def test_every_package_is_complete_in_the_wheel(installed):
     """Setuptools leaves out folders without `__init__.py` and data files that nothing names."""
     target, _ = installed
-    there = files(ROOT)
+    there = files([(name, ROOT / folder) for name, folder in PLACES.items()])
     assert {file.suffix for file in there} == set(KINDS)
-    assert files(target) == there
+    assert files([(name, target) for name in PLACES]) == there
 
 
 @pytest.mark.slow
 def test_a_case_is_compared_by_it(installed, tmp_path):
     target, run = installed
-    where = run("-c", "import lacore, verification; print(lacore.__file__, verification.__file__)")
+    where = run(
+        "-c", "import lacore, lacore_verification as cases; print(lacore.__file__, cases.__file__)"
+    )
     assert where.stdout.count(str(target)) == 2
     out = tmp_path / "out"
     options = ["--meshes", "coarse", "--backends", "clarabel,newton", "--out", str(out)]
-    compared = run("-m", "lacore_start", "compare", "prandtl-punch", *options)
+    compared = run("-m", "lacore_verification", "compare", "prandtl-punch", *options)
     assert " 0 FAIL" in compared.stdout
     page = (out / "cases" / "prandtl-punch.html").read_text(encoding="utf-8")
     assert "<style>" in page
@@ -149,7 +155,7 @@ def test_a_case_is_compared_by_it(installed, tmp_path):
 def test_cases_are_verified_by_it(installed):
     options = ["-q", "-p", "no:cacheprovider", "-k", "prandtl"]
     _, run = installed
-    verified = run("-m", "pytest", "--pyargs", "verification.case_checks", *options)
+    verified = run("-m", "pytest", "--pyargs", "lacore_verification.case_checks", *options)
     assert " passed" in verified.stdout
 
 

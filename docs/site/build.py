@@ -19,10 +19,10 @@ import manual
 import pictures
 import results
 import speed
+from lacore_verification.case import Case
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.report import document
 from pages import EXTRA, ROOT, Site, sources
-from verification.case import Case
-from verification.catalogue.catalogue import catalogue
-from verification.report import document
 
 FOLDER = ROOT / "reports" / "site"
 

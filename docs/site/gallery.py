@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from lacore_verification.case import Case
+from lacore_verification.report.blocks import Picture
+from lacore_verification.report.drawing import Drawn
 from pictures import small
-from verification.case import Case
-from verification.report.blocks import Picture
-from verification.report.drawing import Drawn
 
 _GROUPS: Mapping[str, frozenset[str]] = {
     "Three dimensions": frozenset({"space"}),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import singledispatchmethod
 from itertools import count
 
-from verification.report.blocks import (
+from lacore_verification.report.blocks import (
     Block,
     Columns,
     Details,
@@ -19,9 +19,9 @@ from verification.report.blocks import (
     Table,
     Text,
 )
-from verification.report.charts.svg import inline
-from verification.report.columns import Column
-from verification.report.files import markdown
+from lacore_verification.report.charts.svg import inline
+from lacore_verification.report.columns import Column
+from lacore_verification.report.files import markdown
 
 _SPECIAL = re.compile(r"([\\*_\[\]<>|~$#{}])")
 

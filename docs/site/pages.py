@@ -17,7 +17,7 @@ EXTRA = "extra"
 _LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
 _PLACES = {
     "README.md": "index.md",
-    "verification/cases": "manual/index.md",
+    "verification/lacore_verification/cases": "manual/index.md",
     "docs/guide": "index.md",
 }
 """Pages of the site that stand for other files and folders of the repository."""

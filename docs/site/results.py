@@ -19,14 +19,14 @@ from typing import Any
 
 import pandas as pd
 
-from verification.case.band import BRACKET
-from verification.catalogue.catalogue import catalogue
-from verification.runs.outcome import Evidence, Outcome
-from verification.runs.row import Row
-from verification.runs.run import Run, canonical
-from verification.store.results import load_outcomes
-from verification.store.store import file_of, sessions
-from verification.verify.finding import load_checks
+from lacore_verification.case.band import BRACKET
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.runs.outcome import Evidence, Outcome
+from lacore_verification.runs.row import Row
+from lacore_verification.runs.run import Run, canonical
+from lacore_verification.store.results import load_outcomes
+from lacore_verification.store.store import file_of, sessions
+from lacore_verification.verify.finding import load_checks
 
 FILE = Path(__file__).parent / "results.jsonl.gz"
 SEAL = Path(f"{FILE}.sha256")

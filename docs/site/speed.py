@@ -9,22 +9,22 @@ import pandas as pd
 
 import benchmarks
 import kept
-from myst import Writer
-from results import Results
-from verification.analysis.profiles import (
+from lacore_verification.analysis.profiles import (
     Costs,
     costs,
     performance_profile,
     shifted_geometric_means,
 )
-from verification.case.band import BRACKET
-from verification.fuzz.programs.judge import BAR
-from verification.report.blocks import Block, Drawing, Heading, Table, Text
-from verification.report.charts import axes
-from verification.report.charts.axes import Axis
-from verification.report.columns import Column
-from verification.report.page import results_frame
-from verification.verdicts.words import SKIPPED
+from lacore_verification.case.band import BRACKET
+from lacore_verification.fuzz.programs.judge import BAR
+from lacore_verification.report.blocks import Block, Drawing, Heading, Table, Text
+from lacore_verification.report.charts import axes
+from lacore_verification.report.charts.axes import Axis
+from lacore_verification.report.columns import Column
+from lacore_verification.report.page import results_frame
+from lacore_verification.verdicts.words import SKIPPED
+from myst import Writer
+from results import Results
 
 _SECONDS = Axis("seconds", "processor time [s]")
 _UNKNOWNS = Axis("unknowns", "unknowns")

@@ -12,7 +12,7 @@ right corner slips backwards.
 """
 
 import lacore as la
-from verification.case import Band, Case, Reference, Variant, rigid
+from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 WIDTH, WEIGHT, STEP = 1.0, 2.0, 0.2  # m, N/m, m
 

@@ -27,7 +27,6 @@ from typing import IO, Any, Protocol, Self
 
 from lacore.solvers.process_log import ProcessLog
 from lacore.status import Status
-from lacore_start import hidden
 
 GRACE = 2.0  # s that work gets beyond its limit to come back by itself
 START = 60.0  # s, for the interpreter and its imports
@@ -191,9 +190,7 @@ class ChildProcess:
         how = f"exit code {process.returncode}"
         if process.returncode < 0:
             how = f"signal {-process.returncode}, {signal.strsignal(-process.returncode)}"
-        ended = f"its process ended by itself ({how})"
-        text = "; ".join(filter(None, (ended, hidden())))  # it looks where this process would
-        return LostError(Status.FAILED, ENDED, text)
+        return LostError(Status.FAILED, ENDED, f"its process ended by itself ({how})")
 
     def kill(self) -> None:
         """Stop for good, from any thread: the one that waits for an answer learns of it."""
@@ -245,9 +242,6 @@ def serve(worker_name: str, codec_name: str) -> None:
             if worker is None:
                 worker = resolve_name(worker_name)()
             answer = codec.answer(getattr(worker, kind)(*arguments) if kind else None)
-        except ImportError as error:
-            told = hidden()
-            answer = _sent(codec, ImportError(f"{error}; {told}") if told else error)
         except Exception as error:  # the caller's to handle
             answer = _sent(codec, error)
         if os.getpid() != me:  # a copy that the work has forked must not answer, too

@@ -19,10 +19,9 @@ from lacore.errors import CapabilityError, InputError, require_known, suggest, t
 from lacore.solvers.contract import Backend, Family
 from lacore.solvers.isolation import IsolatedBackend, SolverProcess
 from lacore.solvers.served_process import ISOLATE, Source
-from lacore_start import hidden
 
 GROUP = "lacore.backends"
-_OWN = "backends"  # the package of ours
+_OWN = "lacore_backends"  # the package of ours
 CALIBRATION = "clarabel"
 """Backend of lacore with which comparisons repeat a short solve, to measure the machine."""
 JUDGE = "auto"
@@ -176,12 +175,11 @@ def fault_of(name: str) -> str:
 
 def _here(entry: Registered, name: str) -> Backend:
     """A backend of ours, in this process."""
-    module = entry.target.partition(":")[0]
     try:
         backend: Backend = EntryPoint(entry.name, entry.target, GROUP).load()()
     except Exception as error:  # a broken installation must not take the rest with it
-        told = hidden(module.partition(".")[0]) or f"{type(error).__name__}: {error}"
-        raise CapabilityError(f"backend {entry.name!r} cannot be loaded: {told}") from error
+        why = f"{type(error).__name__}: {error}"
+        raise CapabilityError(f"backend {entry.name!r} cannot be loaded: {why}") from error
     first, colon, variant = name.partition(":")
     if not colon:
         return backend

@@ -15,8 +15,8 @@ from lacore.certificate import certify
 from lacore.inner.preparing import preparing
 from lacore.program import associated_contact, dimensionless, reaction_contact
 from lacore.status import Status
+from lacore_verification.catalogue.catalogue import catalogue
 from tests.backends.variants import METALS, VARIANTS, require_fit
-from verification.catalogue.catalogue import catalogue
 
 SLOW = pytest.mark.slow
 # Interior points leave a gap of 1e-10 and rows out by 1e-10: 1e-7 is three digits of margin for

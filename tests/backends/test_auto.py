@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends import interior_point
-from backends._embedding.follow import EmbeddingResult
-from backends.auto import Auto, AutoOptions, AutoSolver
-from backends.clarabel_socp import ClarabelSolver
 from lacore.assembly.discretise import discretise
 from lacore.bounds.static_model import static_model
 from lacore.certificate import certify
 from lacore.program import associated_contact, dimensionless
 from lacore.status import Status
+from lacore_backends import interior_point
+from lacore_backends._embedding.follow import EmbeddingResult
+from lacore_backends.auto import Auto, AutoOptions, AutoSolver
+from lacore_backends.clarabel_socp import ClarabelSolver
+from lacore_verification.fuzz.programs.drawn import draw_program
 from tests.lacore.models import punch, square
 from tests.lacore.random_programs import frozen, random_program, random_soil
-from verification.fuzz.programs.drawn import draw_program
 
 BAR = 1e-6  # residuals, of certificates: a hundred tolerances of 1e-8
 
@@ -33,7 +33,7 @@ def smooth():
 @pytest.fixture
 def fast(monkeypatch):
     """As where PARDISO is installed."""
-    monkeypatch.setattr("backends.auto._factorises_fast", lambda: True)
+    monkeypatch.setattr("lacore_backends.auto._factorises_fast", lambda: True)
 
 
 def test_auto_takes_clarabel_for_little_for_several_surfaces_and_for_blocks(smooth):
@@ -204,7 +204,7 @@ def test_auto_keeps_a_load_of_zero_of_which_all_residuals_are_of_order_one(fast,
 
 
 def test_without_a_fast_factorisation_clarabel_is_asked_alone(smooth, stopped, monkeypatch):
-    monkeypatch.setattr("backends.auto._factorises_fast", lambda: False)
+    monkeypatch.setattr("lacore_backends.auto._factorises_fast", lambda: False)
     stopped()
     (found,) = asked(smooth[0], smooth[1:], 0)
     assert found.native_status == f"clarabel: {STALLED}"

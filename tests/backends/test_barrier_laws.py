@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backends._barrier_laws import BarrierLaw
-from backends._barrier_program import BarrierSolver, Fading
-from backends._conic_laws import ConicLaws
 from lacore.regularization import penalties
+from lacore_backends._barrier_laws import BarrierLaw
+from lacore_backends._barrier_program import BarrierSolver, Fading
+from lacore_backends._conic_laws import ConicLaws
 from tests.backends.one_law import check_law
 from tests.lacore.random_programs import N, frozen, random_program, random_soil, random_step
 

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix, vstack
 
 import lacore as la
-from backends import clarabel_socp
-from backends._conic_form import ConicForm, Pattern
 from lacore.backend import find_backend
 from lacore.certificate import certify
 from lacore.paths.flow import Moment, limit_problem
@@ -25,8 +23,10 @@ from lacore.program import (
 )
 from lacore.regularization import Penalties
 from lacore.status import Status
+from lacore_backends import clarabel_socp
+from lacore_backends._conic_form import ConicForm, Pattern
+from lacore_verification.conformance.soil_programs import SOIL
 from tests.backends.hand_made import CONIC, LINEAR, check_answer, random_linear_program
-from verification.conformance.soil_programs import SOIL
 
 # The default tolerance is 1e-9 on scaled residuals; numbers here are of order one to ten.
 BAR = 1e-7

@@ -10,10 +10,6 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from backends._conic_form import ConicForm
-from backends.clarabel_regularised import ClarabelRegularised, ClarabelRegularisedOptions
-from backends.clarabel_socp import Clarabel, ClarabelOptions
-from backends.newton import Newton
 from lacore.backend import find_backend
 from lacore.certificate import certify
 from lacore.coupling.fixed_point import reaction_loop
@@ -21,6 +17,10 @@ from lacore.coupling.run import CouplingOptions, Run
 from lacore.program import DissipationGroup, associated_contact, dimensionless
 from lacore.regularization import Penalties, evaluate
 from lacore.status import Status
+from lacore_backends._conic_form import ConicForm
+from lacore_backends.clarabel_regularised import ClarabelRegularised, ClarabelRegularisedOptions
+from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
+from lacore_backends.newton import Newton
 from tests.backends.test_clarabel import (
     LENGTH,
     SEQUENCE,

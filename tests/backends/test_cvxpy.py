@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends import _cvxpy_solvers
 from lacore.backend import find_backend, load_backend, read_options
 from lacore.certificate import certify
 from lacore.program import associated_contact, dimensionless, reaction_contact
 from lacore.status import Status
+from lacore_backends import _cvxpy_solvers
 from tests.backends.hand_made import (
     CONIC,
     LINEAR,
@@ -182,7 +182,7 @@ def test_repeated_solves_are_fresh_solves(solver):
 
 
 def test_a_change_of_costs_builds_no_model(monkeypatch):
-    from backends import cvxpy_conic  # here and below: cvxpy takes a second to load
+    from lacore_backends import cvxpy_conic  # here and below: cvxpy takes a second to load
 
     count, build = [], cvxpy_conic._Model
     monkeypatch.setattr(cvxpy_conic, "_Model", lambda *given: count.append(1) or build(*given))
@@ -244,7 +244,7 @@ def test_a_solver_error_is_a_status(monkeypatch):
 @pytest.mark.parametrize(("given", "status"), [(LOCKED, Status.LOCKED), (UNSAFE, Status.UNSAFE)])
 def test_infeasible_or_unbounded_is_found_out(monkeypatch, given, status):
     """Some solvers leave it open; the program without costs knows."""
-    from backends import cvxpy_conic
+    from lacore_backends import cvxpy_conic
 
     run = cvxpy_conic.CvxpySolver._run
     words = iter(["infeasible_or_unbounded"])
@@ -260,7 +260,7 @@ def test_infeasible_or_unbounded_is_found_out(monkeypatch, given, status):
 def test_every_word_of_cvxpy_has_a_meaning():
     from cvxpy import settings
 
-    from backends import cvxpy_conic
+    from lacore_backends import cvxpy_conic
 
     words = {*settings.SOLUTION_PRESENT, *settings.INF_OR_UNB, *settings.INACCURATE}
     assert len(words) == 8
@@ -293,7 +293,7 @@ def test_variants():
 
 
 def test_a_solver_that_is_not_installed_says_how_to_get_it(monkeypatch):
-    monkeypatch.setattr("backends.cvxpy_conic.installed", lambda: frozenset(["CLARABEL"]))
+    monkeypatch.setattr("lacore_backends.cvxpy_conic.installed", lambda: frozenset(["CLARABEL"]))
     with pytest.raises(la.CapabilityError, match="ECOS is not installed: pip install ecos"):
         find_backend("cvxpy:ECOS")
 

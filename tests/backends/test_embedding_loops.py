@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from backends._embedding.cones import Compliance, Compliances, Scaling, product
-from backends._embedding.frames import Frame
-from backends._embedding.loops import plain
-from backends._embedding.rows import Rows, Stack
-from backends._embedding.stiffness import Stiffness
+from lacore_backends._embedding.cones import Compliance, Compliances, Scaling, product
+from lacore_backends._embedding.frames import Frame
+from lacore_backends._embedding.loops import plain
+from lacore_backends._embedding.rows import Rows, Stack
+from lacore_backends._embedding.stiffness import Stiffness
 
-compiled = pytest.importorskip("backends._embedding.loops.compiled")
+compiled = pytest.importorskip("lacore_backends._embedding.loops.compiled")
 SUMS = 1e-12  # sums of a few terms of order one, in another order
 
 

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from backends import highs_lp
 from lacore.backend import find_backend
 from lacore.certificate import certify
 from lacore.status import Status
+from lacore_backends import highs_lp
 from tests.backends.hand_made import (
     LINEAR,
     LOCKED,

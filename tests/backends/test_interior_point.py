@@ -8,17 +8,6 @@ import pytest
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from backends import interior_point
-from backends._embedding import follow as way
-from backends._embedding.arrays import Translation
-from backends._embedding.dilating import as_moved
-from backends._embedding.follow import judged, residuals
-from backends._embedding.least import least_program
-from backends._embedding.loops import plain
-from backends._embedding.place import Place
-from backends._embedding.rigid import motions
-from backends._goal import Goal
-from backends.interior_point import InteriorPoint
 from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend
 from lacore.certificate import certify
@@ -26,6 +15,20 @@ from lacore.numerics.linear_algebra import SuperLU
 from lacore.program import associated_contact, dimensionless
 from lacore.reduction import reduced
 from lacore.status import Status
+from lacore_backends import interior_point
+from lacore_backends._embedding import follow as way
+from lacore_backends._embedding.arrays import Translation
+from lacore_backends._embedding.dilating import as_moved
+from lacore_backends._embedding.follow import judged, residuals
+from lacore_backends._embedding.least import least_program
+from lacore_backends._embedding.loops import plain
+from lacore_backends._embedding.place import Place
+from lacore_backends._embedding.rigid import motions
+from lacore_backends._goal import Goal
+from lacore_backends.interior_point import InteriorPoint
+from lacore_verification.catalogue import catalogue
+from lacore_verification.fuzz.programs.drawn import draw_program
+from lacore_verification.fuzz.programs.judge import ask
 from tests.backends import hand_made
 from tests.lacore.models import punch, square
 from tests.lacore.random_programs import (
@@ -37,9 +40,6 @@ from tests.lacore.random_programs import (
     random_soil,
     random_step,
 )
-from verification.catalogue import catalogue
-from verification.fuzz.programs.drawn import draw_program
-from verification.fuzz.programs.judge import ask
 
 BAR = 1e-6  # residuals, of certificates: a hundred tolerances of 1e-8
 # Where a shift or hardening rounds the minimum, the load factor is a slope: the root of the gap.
@@ -331,7 +331,7 @@ def test_what_ends_at_round_off_is_solved_if_ten_tolerances_are_left(smooth, mon
 
 def test_all_loops_are_compiled_before_a_solve():
     """Within one they counted to its time limit: on a busy machine the first solve ended there."""
-    compiled = pytest.importorskip("backends._embedding.loops.compiled")
+    compiled = pytest.importorskip("lacore_backends._embedding.loops.compiled")
     InteriorPoint().prepare(*least_program()[:1], InteriorPoint.Options()).close()
     names = ("compliances", "cones", "matrices", "principal", "products", "steps")
     files = [getattr(compiled, name) for name in names]

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backends.ipopt_nlp import _build
 from lacore.regularization import Penalties, evaluate
+from lacore_backends.ipopt_nlp import _build
 from tests.lacore.random_programs import N, frozen, random_program, random_step
 
 PENALTY = Penalties(eta=3.0, bulk=7.0, normal=5.0, tangential=4.0)

@@ -12,11 +12,6 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from backends._ipopt import STATUS_MAP
-from backends._static_program import LARGEST
-from backends.clarabel_socp import Clarabel, ClarabelOptions
-from backends.ipopt_nlp import Ipopt
-from backends.ipopt_static import IpoptStatic, IpoptStaticOptions
 from lacore.certificate import certify
 from lacore.inner.preparing import preparing
 from lacore.program import (
@@ -27,6 +22,12 @@ from lacore.program import (
     reaction_contact,
 )
 from lacore.status import Status
+from lacore_backends._ipopt import STATUS_MAP
+from lacore_backends._static_program import LARGEST
+from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
+from lacore_backends.ipopt_nlp import Ipopt
+from lacore_backends.ipopt_static import IpoptStatic, IpoptStaticOptions
+from lacore_verification.catalogue.catalogue import find
 from tests.backends.test_clarabel import (
     LENGTH,
     SEQUENCE,
@@ -41,7 +42,6 @@ from tests.backends.test_clarabel import (
 from tests.backends.test_regularised import NAMED
 from tests.backends.variants import VARIANTS, require_fit
 from tests.lacore.models import deformable_block, punch
-from verification.catalogue.catalogue import find
 
 # IPOPT's 1e-10 on numbers of order one to ten, as for Clarabel.
 BAR = 1e-8

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends._embedding.arrays import Translation
-from backends._embedding.follow import follow
-from backends._embedding.loops.best import best_loops
-from backends._embedding.loose import loosened
-from backends._embedding.start import start, unresisted
-from backends._embedding.stiffness import Stiffness
-from backends._embedding.system import System
-from backends._goal import Goal
-from backends.interior_point import InteriorPoint, InteriorPointOptions
 from lacore.inner.left_over import left_over
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import symmetric_solver
 from lacore.program import associated_contact
 from lacore.status import Status
+from lacore_backends._embedding.arrays import Translation
+from lacore_backends._embedding.follow import follow
+from lacore_backends._embedding.loops.best import best_loops
+from lacore_backends._embedding.loose import loosened
+from lacore_backends._embedding.start import start, unresisted
+from lacore_backends._embedding.stiffness import Stiffness
+from lacore_backends._embedding.system import System
+from lacore_backends._goal import Goal
+from lacore_backends.interior_point import InteriorPoint, InteriorPointOptions
+from lacore_verification.fuzz.programs.drawn import draw_program
+from lacore_verification.fuzz.programs.judge import ask
 from tests.backends import hand_made
-from verification.fuzz.programs.drawn import draw_program
-from verification.fuzz.programs.judge import ask
 
 TOLERANCE = InteriorPointOptions().tolerance
 BAR = 1e-6  # of certificates

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backends.newton import NewtonOptions, NewtonSolver, PressedSolver
 from lacore.regularization import penalties
 from lacore.status import Status
+from lacore_backends.newton import NewtonOptions, NewtonSolver, PressedSolver
 from tests.backends.one_law import check_law
 from tests.lacore.random_programs import frozen, random_program, random_soil, random_step
 

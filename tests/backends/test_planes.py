@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends._embedding import follow as way
-from backends._embedding.arrays import Translation
-from backends._embedding.follow import follow
-from backends._embedding.loops import plain
-from backends._embedding.pressed import Planes
-from backends._embedding.start import start
-from backends._embedding.stiffness import Stiffness
-from backends._embedding.system import System
-from backends._embedding.whole import Whole
-from backends._goal import Goal
 from lacore.assembly.discretise import discretise
 from lacore.numerics.symmetric import symmetric_solver
 from lacore.program import associated_contact
 from lacore.status import Status
+from lacore_backends._embedding import follow as way
+from lacore_backends._embedding.arrays import Translation
+from lacore_backends._embedding.follow import follow
+from lacore_backends._embedding.loops import plain
+from lacore_backends._embedding.pressed import Planes
+from lacore_backends._embedding.start import start
+from lacore_backends._embedding.stiffness import Stiffness
+from lacore_backends._embedding.system import System
+from lacore_backends._embedding.whole import Whole
+from lacore_backends._goal import Goal
 from tests.lacore.random_programs import random_soil
 
 BAR = 1e-6  # of certificates

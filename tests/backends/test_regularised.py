@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends.clarabel_socp import Clarabel, ClarabelOptions
-from backends.ipopt_nlp import Ipopt, IpoptOptions
 from lacore.program import dimensionless, reaction_contact
+from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
+from lacore_backends.ipopt_nlp import Ipopt, IpoptOptions
 from tests.backends.variants import METALS
 from tests.lacore.models import deformable_block, punch, square
 from tests.shares import one_in
@@ -208,7 +208,7 @@ def test_iteration_and_time_limits_are_statuses():
 
 def test_every_ipopt_status_is_mapped():
     """The return codes of IPOPT (IpReturnCodes_inc.h), none without a meaning here."""
-    from backends.ipopt_nlp import STATUS_MAP
+    from lacore_backends.ipopt_nlp import STATUS_MAP
 
     assert len(STATUS_MAP) == 20
 

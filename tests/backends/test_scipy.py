@@ -9,13 +9,13 @@ import pytest
 from scipy.optimize import _slsqp_py
 from scipy.sparse import csr_matrix
 
-from backends import slsqp_nlp
-from backends.slsqp_nlp import AWAY, LATE, Minimum
 from lacore.backend import find_backend
 from lacore.errors import CapabilityError
 from lacore.reduction import reduced
 from lacore.status import Status
-from verification.conformance.programs import WORKED
+from lacore_backends import slsqp_nlp
+from lacore_backends.slsqp_nlp import AWAY, LATE, Minimum
+from lacore_verification.conformance.programs import WORKED
 
 PLASTIC = next(worked for worked in WORKED if worked.name == "several cones")
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends.clarabel_socp import Clarabel, ClarabelOptions
 from lacore.backend import find_backend
 from lacore.program import associated_contact, dimensionless
 from lacore.regularization import penalties
+from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
+from lacore_verification.catalogue.catalogue import catalogue
 from tests.backends.variants import SOILS
-from verification.catalogue.catalogue import catalogue
 
 NAMES = ["clarabel-regularised", "ipopt", "newton"]
 GAP = 1e-10  # that Clarabel leaves, relative

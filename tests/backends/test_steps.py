@@ -15,11 +15,11 @@ from lacore.coupling.run import CouplingOptions, Run
 from lacore.program import dimensionless, reaction_contact
 from lacore.regularization import evaluate, penalties
 from lacore.status import Status
+from lacore_verification.conformance.hardening_programs import hardening
+from lacore_verification.conformance.worked import frozen, nowhere, program
 from tests.lacore.models import CRITERION, deformable_block
 from tests.lacore.random_programs import POINTS, random_step
 from tests.shares import one_in
-from verification.conformance.hardening_programs import hardening
-from verification.conformance.worked import frozen, nowhere, program
 
 SEEDS = range(10)
 SLOW = pytest.mark.slow

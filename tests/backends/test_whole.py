@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from backends import interior_point
-from backends._embedding import follow as way
-from backends._embedding.arrays import Translation
-from backends._embedding.directions import Directions
-from backends._embedding.least import least_program
-from backends._embedding.loops import plain
-from backends._embedding.place import Place
-from backends._embedding.start import start
-from backends._embedding.stiffness import Stiffness
-from backends._embedding.system import System, _pair
-from backends._embedding.vectors import Vector
-from backends._embedding.whole import Whole
 from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import symmetric_solver
 from lacore.status import Status
+from lacore_backends import interior_point
+from lacore_backends._embedding import follow as way
+from lacore_backends._embedding.arrays import Translation
+from lacore_backends._embedding.directions import Directions
+from lacore_backends._embedding.least import least_program
+from lacore_backends._embedding.loops import plain
+from lacore_backends._embedding.place import Place
+from lacore_backends._embedding.start import start
+from lacore_backends._embedding.stiffness import Stiffness
+from lacore_backends._embedding.system import System, _pair
+from lacore_backends._embedding.vectors import Vector
+from lacore_backends._embedding.whole import Whole
 from tests.backends.test_interior_point import BAR, KINDS, ROUND, answer, stated
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from verification.catalogue.catalogue import catalogue
+from lacore_verification.catalogue.catalogue import catalogue
 
 
 def _associated(variant):

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from threadpoolctl import threadpool_limits
 
-from backends.cvxpy_conic import Cvxpy
 from lacore.backend import backend_names, load_backend
 from lacore.numerics.symmetric import symmetric_solver
+from lacore_backends.cvxpy_conic import Cvxpy
+from lacore_verification.store.provenance import describe
 from tests.benchmarks.measuring import Model, punch
-from verification.store.provenance import describe
 
 THREADS = ("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 _DIGITS = 8

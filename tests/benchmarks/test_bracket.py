@@ -17,8 +17,8 @@ import lacore as la
 from lacore.adaptive.bracket import width
 from lacore.backend import load_backend
 from lacore.numerics.symmetric import symmetric_solver
+from lacore_verification.catalogue.catalogue import find
 from tests.benchmarks.measuring import Model, dear, elastic_seconds, punch
-from verification.catalogue.catalogue import find
 
 SOIL = la.VonMises(shear_strength=1.0)
 PRANDTL = 2 + np.pi

@@ -8,8 +8,8 @@ import lacore as la
 from lacore.coupling.fixed_point import reaction_loop
 from lacore.coupling.run import CouplingOptions, Run
 from lacore.program import dimensionless
+from lacore_verification.catalogue.catalogue import find
 from tests.benchmarks.measuring import Clocked
-from verification.catalogue.catalogue import find
 
 MESHES = {
     "deformable-block:sliding": {"n": 18},

@@ -11,8 +11,8 @@ import pytest
 
 import lacore as la
 from lacore.backend import load_backend
-from verification.fuzz.programs.judge import RIGHT, WRONG
-from verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
+from lacore_verification.fuzz.programs.judge import RIGHT, WRONG
+from lacore_verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
 
 BACKENDS = ("clarabel", "interior_point", "auto", "cvxpy", "cvxpy:ECOS", "cvxpy:QOCO")
 COUNT, SEED = 72, 1  # in equal shares of all families

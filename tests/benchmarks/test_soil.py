@@ -9,14 +9,14 @@ from dataclasses import replace
 import pytest
 
 import lacore as la
-from tests.benchmarks.measuring import dear
-from verification.cases import (
+from lacore_verification.cases import (
     circular_footing_tresca,
     platens_soil,
     slope_phi,
     strip_footing,
     vertical_cut_phi,
 )
+from tests.benchmarks.measuring import dear
 
 ROUNDS = 3  # in turns, so that what else the machine does meets both alike
 SOILS = {

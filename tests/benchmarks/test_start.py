@@ -10,8 +10,8 @@ import pytest
 STARTS = {
     "import lacore": ("-c", "import lacore"),
     "the names of a first problem": ("-c", "from lacore import Body, Problem, solve"),
-    "lacore --help": ("-m", "lacore_start", "--help"),
-    "a mistyped name": ("-m", "lacore_start", "compare", "prandtl-pnuch"),
+    "lacore --help": ("-m", "lacore_verification", "--help"),
+    "a mistyped name": ("-m", "lacore_verification", "compare", "prandtl-pnuch"),
 }
 
 

@@ -12,6 +12,7 @@ from lacore.certificate import certify
 from lacore.coupling.bounds import kinematic_load_factor
 from lacore.program import Scales, associated_contact, dimensionless
 from lacore.state import ProgramState
+from lacore_verification.cases.strip_footing_gamma import CASE as SAND
 from tests.lacore.models import deformable_block
 from tests.lacore.planted import (
     MU,
@@ -29,7 +30,6 @@ from tests.lacore.random_programs import (
     random_soil,
     random_step,
 )
-from verification.cases.strip_footing_gamma import CASE as SAND
 
 EXACT = 1e-12  # round-off of sums of a hundred terms of order one
 BAR = 1e-6  # of `solve`

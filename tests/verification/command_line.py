@@ -1,7 +1,7 @@
 """Commands whose runs and pictures are made in the interpreter of the tests.
 
 To start another one takes longer than most runs. What processes are for is tested where they are
-lost (test_broken_backends, test_sweep_kills), and a command as users start it in test_hidden.
+lost (test_broken_backends, test_sweep_kills), and a command as users start it in test_wheel.
 """
 
 import struct
@@ -10,9 +10,9 @@ from contextlib import contextmanager
 import pytest
 from click.testing import CliRunner
 
-from verification.commands import cli
-from verification.perform.one_run import run_here
-from verification.report.blocks import Picture
+from lacore_verification.commands import cli
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.report.blocks import Picture
 
 
 def lacore(*words, rendered=True):
@@ -30,9 +30,9 @@ def one_interpreter(rendered=True):
     """Nothing below starts a process of ours; backends that need one of their own have it."""
     with pytest.MonkeyPatch.context() as patch:
         if not rendered:
-            patch.setattr("verification.problems.page._picture", empty_picture)
-        patch.setattr("verification.perform.processes.run_in_processes", run_in_order)
-        patch.setattr("verification.perform.pool.TOGETHER", 1000)
+            patch.setattr("lacore_verification.problems.page._picture", empty_picture)
+        patch.setattr("lacore_verification.perform.processes.run_in_processes", run_in_order)
+        patch.setattr("lacore_verification.perform.pool.TOGETHER", 1000)
         yield
 
 

@@ -1,6 +1,6 @@
 """The installed backend passes lacore's conformance suite."""
 
-from verification import conformance
+from lacore_verification import conformance
 
 
 def test_conformance() -> None:

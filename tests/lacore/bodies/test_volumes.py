@@ -7,9 +7,9 @@ import pytest
 from skfem.mesh import MeshTri2
 
 import lacore as la
-from backends.clarabel_socp import Clarabel
 from lacore.certificate import certify
 from lacore.program import associated_contact, dimensionless
+from lacore_backends.clarabel_socp import Clarabel
 
 ROUND_OFF = 1e-12
 SOLVED = 1e-6  # of powers: the solver's gap is below 1e-7

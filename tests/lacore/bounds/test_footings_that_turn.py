@@ -8,8 +8,8 @@ import pytest
 from skfem import MeshTet
 
 import lacore as la
+from lacore_verification.cases.shared.solids import box
 from tests.lacore.tetrahedra import CRITERION, SPACES, strip, torsion
-from verification.cases.shared.solids import box
 
 SOLVED = 1e-6  # of the load factor: a certificate's bar
 TORSION = 8 / 3  # k a^3/3, a = 2 (Nadai)

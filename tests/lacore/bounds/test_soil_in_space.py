@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore_verification.cases.shared.tetrahedra import hollow_octant
 from tests.lacore.solid_statements import lower_proof, upper_proof
 from tests.lacore.tetrahedra import CRITERION, SPACES, cube, strip
-from verification.cases.shared.tetrahedra import hollow_octant
 
 SOLVED = 1e-7  # of the load factor, as in `tests.lacore.bodies.test_tetrahedra`
 ANGLE = 20.0

@@ -366,7 +366,7 @@ def test_a_wall_with_adhesion_beside_soil(active):
     Cohesion and adhesion with one apex, ``c_a = c tan(delta)/tan(phi)``, are a surcharge of
     ``c cot(phi)`` on the surface and on the wall.
     """
-    from verification.cases import earth_pressure as case
+    from lacore_verification.cases import earth_pressure as case
 
     phi, delta, c = radians(30), radians(15), 0.4
     apex = c / tan(phi)

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore_verification.catalogue.catalogue import find
 from tests.lacore.whole.test_random_walls import random_wall
 from tests.rigid_problems import PROBLEMS, incline, wedge
-from verification.catalogue.catalogue import find
 
 BAR = 1e-6
 PLAIN = {"damping": 1.0, "anderson": 0}

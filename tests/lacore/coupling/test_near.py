@@ -9,11 +9,11 @@ import pytest
 
 import lacore as la
 import lacore.coupling.certified as certified
-from backends.clarabel_socp import Clarabel
 from lacore.errors import InputError
 from lacore.inner.preparing import ROUGH, rough
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.stage import staged
+from lacore_backends.clarabel_socp import Clarabel
 from tests.lacore.paths.path_billets import billet
 
 BAR = 1e-6

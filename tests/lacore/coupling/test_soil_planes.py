@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 import lacore as la
-from verification.cases import cavity_cylinder, cavity_sphere, circular_footing_tresca
+from lacore_verification.cases import cavity_cylinder, cavity_sphere, circular_footing_tresca
 
 PHI = 30.0
 EXACT = ["clarabel", *(pytest.param(b, marks=pytest.mark.slow) for b in ("cvxpy", "ipopt-static"))]
@@ -171,7 +171,7 @@ def test_a_homogeneous_state_does_not_feel_how_much_a_soil_dilates(kinematics, b
     soil = la.MohrCoulomb(1.0, PHI, dilation_angle=dilation)
     state = la.solve(sample(soil, kinematics), backend, tolerance=1e-6)
     assert state.status is la.Status.SOLVED
-    # Exact backends solve to 1e-8 and better (verification/cases/biaxial.py).
+    # Exact backends solve to 1e-8 and better (verification/lacore_verification/cases/biaxial.py).
     assert state.load_factor == pytest.approx(carried(kinematics, 0.5), rel=1e-7)
     assert len(state.history) <= 3
     assert state.certify().holds(1e-6)

@@ -39,7 +39,7 @@ def test_a_homogeneous_state_does_not_feel_how_much_a_soil_dilates(backend, dila
     sine = sin(radians(PHI))
     exact = (2 * COHESION * cos(radians(PHI)) + 0.5 * (1 + sine)) / (1 - sine)
     assert state.status is la.Status.SOLVED
-    # Exact backends solve to 1e-8 and better (verification/cases/biaxial.py).
+    # Exact backends solve to 1e-8 and better (verification/lacore_verification/cases/biaxial.py).
     assert state.load_factor == pytest.approx(exact, rel=1e-7)
     assert len(state.history) <= 3
     assert state.rigor is (la.Rigor.UPPER if dilation == PHI else la.Rigor.DISCRETE)

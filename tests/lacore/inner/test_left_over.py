@@ -13,7 +13,7 @@ from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import RescalingSolver, good_for, proven
 from lacore.program import associated_contact
 from lacore.status import Status
-from verification.fuzz.programs.drawn import draw_program
+from lacore_verification.fuzz.programs.drawn import draw_program
 
 BAR = 1e-6
 PHI = 30.0

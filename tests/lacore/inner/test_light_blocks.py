@@ -13,10 +13,10 @@ from lacore.certificate import certify
 from lacore.inner.rescaling import PartUnits, RescalingSolver
 from lacore.part_forces import part_forces
 from lacore.program import dimensionless
+from lacore_verification.fuzz.programs.drawn import draw_program
+from lacore_verification.fuzz.programs.judge import ask
 from tests.lacore.random_weights import random_assembly
 from tests.shares import one_in
-from verification.fuzz.programs.drawn import draw_program
-from verification.fuzz.programs.judge import ask
 
 R = la.masonry.rectangle
 MU_STONE = 0.2

@@ -11,9 +11,9 @@ from lacore.certificate import certify
 from lacore.inner.local_speeds import LocalSpeedSolver, LocalUnits, local_speeds
 from lacore.inner.rescaling import GOOD, largest_residual
 from lacore.program import associated_contact, dimensionless
-from verification.cases.no_tension_cut import CASE as NO_TENSION_CUT
-from verification.cases.strip_footing import CASE as STRIP_FOOTING
-from verification.cases.strip_footing_gamma import CASE as SAND
+from lacore_verification.cases.no_tension_cut import CASE as NO_TENSION_CUT
+from lacore_verification.cases.strip_footing import CASE as STRIP_FOOTING
+from lacore_verification.cases.strip_footing_gamma import CASE as SAND
 
 
 def sand(nx, ny, ratio):

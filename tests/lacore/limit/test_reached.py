@@ -10,7 +10,7 @@ from lacore.bodies.continuum.loaded import force
 from lacore.limit import advice
 from lacore.limit.larger import with_ground_beyond
 from lacore.limit.solve import solve
-from verification.catalogue.catalogue import catalogue, find
+from lacore_verification.catalogue.catalogue import catalogue, find
 
 
 def told(problem):

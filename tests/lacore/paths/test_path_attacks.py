@@ -7,8 +7,8 @@ import pytest
 
 import lacore as la
 from lacore.paths.ending import Ending
+from lacore_verification.cases.shared.exact_paths import strip_force
 from tests.lacore.paths.path_billets import PLATEN, billet, pressed
-from verification.cases.shared.exact_paths import strip_force
 
 
 def side(friction=0.2):

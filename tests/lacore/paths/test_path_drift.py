@@ -9,8 +9,8 @@ import lacore as la
 from lacore.paths import drift
 from lacore.paths.ending import Ending
 from lacore.paths.selection import least_norm
+from lacore_verification.cases.shared.exact_paths import cylinder, pressure
 from tests.lacore.paths.path_billets import billet, pressed
-from verification.cases.shared.exact_paths import cylinder, pressure
 
 LAWS = {
     "perfect": la.hardening.Perfect(1.0),

@@ -8,8 +8,8 @@ import pytest
 import lacore as la
 from lacore.paths import flow as flow_module
 from lacore.paths.ending import Ending
+from lacore_verification.cases.shared.exact_paths import strip_force
 from tests.shares import one_in
-from verification.cases.shared.exact_paths import strip_force
 
 LAWS = {
     "perfect": la.hardening.Perfect(1.0),

@@ -9,7 +9,7 @@ import lacore as la
 from lacore.paths.contact.poses import placed, pose
 from lacore.paths.ending import Ending
 from lacore.pictures.thumbnails import thumbnail_of_path
-from verification.cases.shared.exact_paths import strip_force
+from lacore_verification.cases.shared.exact_paths import strip_force
 
 LAW = la.hardening.Linear(1.0, 1.0)
 SAME = 1e-6  # relative: certificates hold to 1e-6

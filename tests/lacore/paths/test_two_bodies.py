@@ -12,7 +12,7 @@ from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.renewal.remeshing import restaged
 from lacore.paths.stage import staged
-from verification.cases.shared.exact_paths import cylinder, pressure, sphere, strip_force
+from lacore_verification.cases.shared.exact_paths import cylinder, pressure, sphere, strip_force
 
 LAW = la.hardening.Linear(1.0, 1.0)
 SAME = 1e-6  # relative: certificates hold to 1e-6

@@ -12,9 +12,9 @@ from matplotlib.patches import FancyArrowPatch
 
 import lacore as la
 from lacore.pictures.mesh import shaded
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.report.stored_figures import sketch_of, sketched
 from tests.shares import one_in
-from verification.catalogue.catalogue import catalogue
-from verification.report.stored_figures import sketch_of, sketched
 
 CASES = [  # of the plane, each sixth in the fast tests
     pytest.param(case, id=case.id, marks=[pytest.mark.slow] if number % 6 else [])

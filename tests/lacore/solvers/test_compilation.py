@@ -5,9 +5,9 @@ from threading import Thread
 
 import pytest
 
-import backends.auto
-import backends.interior_point
 import lacore as la
+import lacore_backends.auto
+import lacore_backends.interior_point
 from lacore.program import associated_contact
 from lacore.solvers.compilation import SolveClock, compiling
 from lacore.solvers.solver_worker import SolverWorker
@@ -89,9 +89,9 @@ def test_the_first_solve_of_a_plug_in_waits_for_its_warm_up(tmp_path, monkeypatc
 def test_backends_of_lacore_compile_outside_of_the_solve_time(monkeypatch, name):
     """However often they compiled before."""
     if name == "auto":
-        monkeypatch.setattr(backends.auto, "_COMPILED", 0)
-        monkeypatch.setattr(backends.auto, "_LEAST", 0)
-    backends.interior_point._compiled.cache_clear()
+        monkeypatch.setattr(lacore_backends.auto, "_COMPILED", 0)
+        monkeypatch.setattr(lacore_backends.auto, "_LEAST", 0)
+    lacore_backends.interior_point._compiled.cache_clear()
     first, second, whole = twice(lambda: la.solve(punch(), backend=name))
     assert first.compile_time > 0.0
     assert first.solve_time <= whole - first.compile_time

@@ -3,7 +3,7 @@
 import pandas as pd
 
 import lacore as la
-from verification.catalogue.catalogue import find
+from lacore_verification.catalogue.catalogue import find
 
 DECADES = tuple(10 ** (-k / 2) for k in range(2, 11))  # r = 1e-1 ... 1e-5, 9 values
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis.effort import costs_of_accuracy, efforts
+from lacore_verification.analysis.effort import costs_of_accuracy, efforts
 
 
 def results():

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tests.verification.analysis.test_analysis_slopes import R, law, made
-from verification.analysis.extrapolation import (
+from lacore_verification.analysis.extrapolation import (
     hermite_limit,
     lambda_limits,
     refinement_limits,
     richardson,
 )
+from tests.verification.analysis.test_analysis_slopes import R, law, made
 
 
 @given(

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from verification.analysis.history import SHIFT, history
+from lacore_verification.analysis.history import SHIFT, history
 
 COLUMNS = ("case", "backend", "verdict", "load_factor", "solve_time", "error")
 

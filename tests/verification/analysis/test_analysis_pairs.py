@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore_verification.analysis.noise import Noise
+from lacore_verification.analysis.pairs import OUTCOMES, pairwise_outcomes
 from tests.verification.analysis.test_analysis_profiles import results
-from verification.analysis.noise import Noise
-from verification.analysis.pairs import OUTCOMES, pairwise_outcomes
 
 EXACT = Noise(10, 1.0, 0.0, 1.0)
 UNKNOWN = Noise(0, np.nan, np.nan, np.nan)

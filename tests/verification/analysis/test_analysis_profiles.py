@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis.profiles import (
+from lacore_verification.analysis.profiles import (
     budget_profile,
     costs,
     data_profile,

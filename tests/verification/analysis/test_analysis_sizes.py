@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis.sizes import (
+from lacore_verification.analysis.sizes import (
     accuracies,
     answers,
     rates_by_size,

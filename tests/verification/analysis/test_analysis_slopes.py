@@ -7,14 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from tests.verification.analysis.analysis_rows import DECADES
-from verification.analysis.exact import with_exact
-from verification.analysis.slope_fits import (
+from lacore_verification.analysis.exact import with_exact
+from lacore_verification.analysis.slope_fits import (
     fit_slope,
     refinement_orders,
     regularisation_slopes,
     slopes,
 )
+from tests.verification.analysis.analysis_rows import DECADES
 
 R = np.array(DECADES)
 

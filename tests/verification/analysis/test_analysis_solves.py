@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 import lacore as la
+from lacore_verification.analysis.exact import with_exact
+from lacore_verification.analysis.extrapolation import lambda_limits, refinement_limits
+from lacore_verification.analysis.slope_fits import refinement_orders, regularisation_slopes
+from lacore_verification.catalogue.catalogue import find
 from tests.shares import one_in
 from tests.verification.analysis.analysis_rows import DECADES, row_of, sweep
-from verification.analysis.exact import with_exact
-from verification.analysis.extrapolation import lambda_limits, refinement_limits
-from verification.analysis.slope_fits import refinement_orders, regularisation_slopes
-from verification.catalogue.catalogue import find
 
 ERRORS = ["error_alpha_reg", "error_lambda"]
 R = [{"r": r} for r in DECADES]

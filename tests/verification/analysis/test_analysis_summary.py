@@ -5,14 +5,14 @@ from math import inf, isnan, nan, pi
 
 import pytest
 
-from verification.analysis.summary import CONTINUUM, DISCRETE, percent, summaries
-from verification.campaigns.comparison import planned
-from verification.catalogue.catalogue import find
-from verification.runs.outcome import Outcome
-from verification.runs.row import STRICT, Row
-from verification.verdicts.allowed import about, distance
-from verification.verdicts.limit_state import judge
-from verification.verdicts.words import (
+from lacore_verification.analysis.summary import CONTINUUM, DISCRETE, percent, summaries
+from lacore_verification.campaigns.comparison import planned
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.runs.outcome import Outcome
+from lacore_verification.runs.row import STRICT, Row
+from lacore_verification.verdicts.allowed import about, distance
+from lacore_verification.verdicts.limit_state import judge
+from lacore_verification.verdicts.words import (
     BOUND_ONLY,
     FAIL,
     NO_REFERENCE,

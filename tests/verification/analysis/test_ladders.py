@@ -5,8 +5,8 @@ from math import nan
 import pandas as pd
 import pytest
 
-from verification.analysis.columns import solver_columns
-from verification.report.studies.single_solves import ladders
+from lacore_verification.analysis.columns import solver_columns
+from lacore_verification.report.studies.single_solves import ladders
 
 ROW = {
     **{"case": "made", "variant": "up", "mesh": "coarse", "n_dofs": 40, "backend": "first"},

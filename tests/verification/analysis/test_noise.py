@@ -5,8 +5,8 @@ from math import isnan
 import numpy as np
 import pytest
 
+from lacore_verification.analysis.noise import noise, rankings
 from tests.verification.analysis.test_analysis_profiles import results
-from verification.analysis.noise import noise, rankings
 
 
 def quiet():

@@ -3,7 +3,7 @@
 import pytest
 
 import lacore as la
-from verification.campaigns.axis import Axis, read_axis, read_value
+from lacore_verification.campaigns.axis import Axis, read_axis, read_value
 
 
 @pytest.mark.parametrize(

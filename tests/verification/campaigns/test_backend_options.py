@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis.settings import MOST_SETTINGS, settings, with_settings
-from verification.campaigns.backend_options import read_settings, with_options
-from verification.campaigns.comparison import plan
+from lacore_verification.analysis.settings import MOST_SETTINGS, settings, with_settings
+from lacore_verification.campaigns.backend_options import read_settings, with_options
+from lacore_verification.campaigns.comparison import plan
 
 
 def planned(couplings=()):

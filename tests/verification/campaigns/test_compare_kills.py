@@ -6,23 +6,21 @@ import subprocess
 import sys
 import time
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from lacore.solvers.isolation import release_processes
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.store.store import NAME
 from tests.broken_backends import plant
-from tests.processes import alive, marked, wait_for
-from verification.campaigns.comparison import plan
-from verification.store.store import NAME
+from tests.processes import SOURCES, alive, marked, wait_for
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc"),
 ]
-ROOT = Path(__file__).parents[3]
 CASES, BACKENDS = ["wall-1:mu-0.65", "shear-patch:sliding"], ["clarabel", "Sleeps", "highs"]
 LONGEST = 12.0  # s: killed while it starts, while it runs, or while it writes
 
@@ -34,11 +32,11 @@ def start(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
     words = ["compare", *CASES, "--meshes", "coarse"]
     words += ["--backends", ",".join(BACKENDS), "--time-limit", "4", "--jobs", "2"]
-    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    path = os.pathsep.join([str(tmp_path), *SOURCES])
 
     def started():
         return subprocess.Popen(
-            [sys.executable, "-m", "verification", *words, "--out", str(tmp_path / "out")],
+            [sys.executable, "-m", "lacore_verification", *words, "--out", str(tmp_path / "out")],
             env=os.environ | {"PYTHONPATH": path},
             cwd=tmp_path,
             stdout=subprocess.PIPE,

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore_verification.analysis.effort import couplings
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
+from lacore_verification.catalogue.catalogue import catalogue, find
+from lacore_verification.defaults import RAW
+from lacore_verification.perform.processes import run_in_processes
+from lacore_verification.store.results import as_table
+from lacore_verification.store.store import NAME
+from lacore_verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 from tests.shares import one_in
 from tests.verification.command_line import run_in_order
-from verification.analysis.effort import couplings
-from verification.campaigns.comparison import plan
-from verification.campaigns.run_all import run_all
-from verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
-from verification.catalogue.catalogue import catalogue, find
-from verification.defaults import RAW
-from verification.perform.processes import run_in_processes
-from verification.store.results import as_table
-from verification.store.store import NAME
-from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 CLAIMS = {
     la.Status.LOCKED: np.inf,

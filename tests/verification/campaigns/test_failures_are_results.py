@@ -7,16 +7,16 @@ import pandas as pd
 import pytest
 
 import lacore as la
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.campaigns.run_all import Repeat, describe_failures, is_failure, run_all
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.perform.processes import lost
+from lacore_verification.report import reporting
+from lacore_verification.report.reporting import GrowingReport
+from lacore_verification.store.manifest import whole_file
+from lacore_verification.store.store import NAME, Store, entries
+from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, PASS
 from tests.verification.command_line import lacore, run_in_order
-from verification.campaigns.comparison import plan
-from verification.campaigns.run_all import Repeat, describe_failures, is_failure, run_all
-from verification.perform.one_run import run_here
-from verification.perform.processes import lost
-from verification.report import reporting
-from verification.report.reporting import GrowingReport
-from verification.store.manifest import whole_file
-from verification.store.store import NAME, Store, entries
-from verification.verdicts.words import FAIL, NO_REFERENCE, PASS
 
 BACKENDS = ["clarabel", "highs"]
 

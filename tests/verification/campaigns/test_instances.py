@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
+from lacore_verification.campaigns.instances import Instance
+from lacore_verification.commands.cli import main
 from tests.program_files import solve_file
-from verification.campaigns.instances import Instance
-from verification.commands.cli import main
 
 GUIDE = Path(__file__).parents[3] / "docs" / "guide" / "programs-as-files.md"
 CASES = [

@@ -10,20 +10,20 @@ import pytest
 from rich.console import Console
 
 import lacore as la
-from verification import progress
-from verification.analysis.profiles import rates
-from verification.analysis.summary import summaries
-from verification.campaigns.comparison import capabilities, is_regularised, plan
-from verification.campaigns.overview import LARGE, everything, overview, variants
-from verification.case import BRACKET, CLOSE
-from verification.catalogue.catalogue import catalogue
-from verification.commands import screen
-from verification.perform.one_run import run_here
-from verification.perform.processes import lost
-from verification.runs.outcome import Outcome
-from verification.runs.row import Row
-from verification.store.results import as_table
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
+from lacore_verification import progress
+from lacore_verification.analysis.profiles import rates
+from lacore_verification.analysis.summary import summaries
+from lacore_verification.campaigns.comparison import capabilities, is_regularised, plan
+from lacore_verification.campaigns.overview import LARGE, everything, overview, variants
+from lacore_verification.case import BRACKET, CLOSE
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.commands import screen
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.perform.processes import lost
+from lacore_verification.runs.outcome import Outcome
+from lacore_verification.runs.row import Row
+from lacore_verification.store.results import as_table
+from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 DEFAULT = [case for case in catalogue().values() if not case.on_demand]
 

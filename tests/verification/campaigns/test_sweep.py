@@ -7,14 +7,14 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
+from lacore_verification.campaigns.comparison import plan as compare
+from lacore_verification.campaigns.sweep import plan
+from lacore_verification.case import Case, Variant
+from lacore_verification.catalogue.catalogue import Catalogue, find
+from lacore_verification.commands.cli import main
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import NAME
 from tests.verification.command_line import lacore, run_in_order
-from verification.campaigns.comparison import plan as compare
-from verification.campaigns.sweep import plan
-from verification.case import Case, Variant
-from verification.catalogue.catalogue import Catalogue, find
-from verification.commands.cli import main
-from verification.store.results import load_results
-from verification.store.store import NAME
 
 BLOCK = "deformable-block"
 
@@ -174,7 +174,7 @@ def test_resume_is_the_default(swept, monkeypatch):
         assert not runs
         yield from ()
 
-    monkeypatch.setattr("verification.perform.processes.run_in_processes", nobody)
+    monkeypatch.setattr("lacore_verification.perform.processes.run_in_processes", nobody)
     result = command(*words, "--json")
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -189,7 +189,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
         yield from run_in_order(runs[:2], **more)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("verification.perform.processes.run_in_processes", interrupted)
+    monkeypatch.setattr("lacore_verification.perform.processes.run_in_processes", interrupted)
     words = [BLOCK, "--vary", "mu=0.1:0.9:5", "--backends", "clarabel", "--meshes", "coarse"]
     result = command(*words, "--out", str(tmp_path))
     assert result.exit_code == 130
@@ -230,6 +230,6 @@ def test_missing_backends_are_rows(monkeypatch):
     def missing(name):
         raise la.CapabilityError("not here")
 
-    monkeypatch.setattr("verification.campaigns.varied.load_backend", missing)
+    monkeypatch.setattr("lacore_verification.campaigns.varied.load_backend", missing)
     runs = plan([BLOCK], ["mu=0.5"], ["newton"], ["coarse"])
     assert [run.backend for run in runs] == ["newton"]

@@ -14,11 +14,11 @@ import pandas as pd
 import pytest
 
 from lacore.errors import InputError
+from lacore_verification.campaigns.sweep import plan
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import NAME, sessions
 from tests.processes import alive, hear_ctrl_c, marked, wait_for
 from tests.verification.results_tables import lasting
-from verification.campaigns.sweep import plan
-from verification.store.results import load_results
-from verification.store.store import NAME, sessions
 
 pytestmark = [
     pytest.mark.slow,
@@ -36,7 +36,7 @@ def sweep(out, *more):
     words = ["sweep", CASE, "--vary", VARY, "--backends", ",".join(BACKENDS)]
     words += ["--meshes", *MESHES, "--out", str(out), "--jobs", "2", *more]
     return subprocess.Popen(
-        [sys.executable, "-m", "verification", *words],
+        [sys.executable, "-m", "lacore_verification", *words],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -5,11 +5,11 @@ from contextlib import nullcontext
 import pandas as pd
 import pytest
 
+from lacore_verification.campaigns import comparison, overview
+from lacore_verification.campaigns.comparison import unusable_backends, with_unusable
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.report import reporting
 from tests.verification.command_line import lacore
-from verification.campaigns import comparison, overview
-from verification.campaigns.comparison import unusable_backends, with_unusable
-from verification.catalogue.catalogue import find
-from verification.report import reporting
 
 FAULTS = {
     "absent": "No module named 'tests.nowhere'",

@@ -7,8 +7,8 @@ import pytest
 
 import lacore as la
 from lacore.bodies.continuum.spaces import SPACES
+from lacore_verification.catalogue.catalogue import catalogue
 from tests.shares import one_in
-from verification.catalogue.catalogue import catalogue
 
 STRICT = [name for name, space in SPACES.items() if space.strict]
 EXACT = 1e-5  # as `exact_patch`: what is left is solving

@@ -3,8 +3,8 @@
 import pytest
 
 import lacore as la
+from lacore_verification.cases.circular_footing import CASE
 from tests.shares import one_in
-from verification.cases.circular_footing import CASE
 
 LADDER = [
     {"nx": 8, "ny": 4, "ratio_x": 16.0, "ratio_y": 8.0},

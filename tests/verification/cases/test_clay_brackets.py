@@ -3,8 +3,8 @@
 import pytest
 
 import lacore as la
-from verification.case import Case, Variant
-from verification.catalogue.catalogue import find
+from lacore_verification.case import Case, Variant
+from lacore_verification.catalogue.catalogue import find
 
 LAYERS = [("soft-below", 2.5), ("stiff-below", 1.5)]
 """Variants of `layered-clay`, and how deep their boxes are."""

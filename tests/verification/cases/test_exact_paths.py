@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.materials.hardening import Linear, Perfect, Swift, Table, Voce
-from verification.cases.shared import exact_paths as exact
-from verification.cases.shared.exact_paths import cylinder, sphere
+from lacore_verification.cases.shared import exact_paths as exact
+from lacore_verification.cases.shared.exact_paths import cylinder, sphere
 
 RADII = (1.0, 1.1, 1.25, 1.5, 2.0)
 TABLE = [

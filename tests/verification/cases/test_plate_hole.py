@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.cases.plate_hole import RADIUS
-from verification.catalogue.catalogue import find
+from lacore_verification.cases.plate_hole import RADIUS
+from lacore_verification.catalogue.catalogue import find
 
 
 @pytest.mark.slow

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.cases import rings_in_rings
-from verification.cases.hardening_cylinder import INNER, OUTER
+from lacore_verification.cases import rings_in_rings
+from lacore_verification.cases.hardening_cylinder import INNER, OUTER
 
 JOINT = rings_in_rings.JOINT
 

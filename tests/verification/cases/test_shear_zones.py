@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.cases import deformable_block, shear_patch
-from verification.cases.shared.shear_zones import least_friction
+from lacore_verification.cases import deformable_block, shear_patch
+from lacore_verification.cases.shared.shear_zones import least_friction
 
 STATES = [
     pytest.param(mu, np.array(pressures), id=f"mu-{mu:g}")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore_verification.cases import sheet_drawing
 from tests.lacore.paths.test_path_remesh import require_gmsh
-from verification.cases import sheet_drawing
 
 BALANCE = 1e-6  # of the power of the load
 

@@ -9,8 +9,8 @@ from scipy.optimize import minimize
 
 import lacore as la
 from lacore.bounds.static_model import static_model
-from verification.cases.slope_with_water import CASE as WET
-from verification.catalogue.catalogue import find
+from lacore_verification.cases.slope_with_water import CASE as WET
+from lacore_verification.catalogue.catalogue import find
 
 
 def spiral(angles, slope, friction, level=-inf, pool=False, water=0.5):

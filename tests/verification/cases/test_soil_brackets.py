@@ -3,7 +3,7 @@
 import pytest
 
 import lacore as la
-from verification.catalogue.catalogue import find
+from lacore_verification.catalogue.catalogue import find
 
 
 def bracket(named, size=None, **asked):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore_verification.catalogue.catalogue import catalogue
 from tests.lacore.solid_statements import lower_proof, upper_proof
-from verification.catalogue.catalogue import catalogue
 
 SOLIDS = [
     pytest.param(case, variant, id=f"{case.id}-{variant.name}")

@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize
 
-from verification.catalogue.catalogue import find
+from lacore_verification.catalogue.catalogue import find
 
 
 def spiral(angles, slope):

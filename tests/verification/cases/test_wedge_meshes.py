@@ -12,9 +12,9 @@ import lacore as la
 from lacore.arrays import Floats
 from lacore.meshes.curved import jacobians
 from lacore.paths.ending import Ending
-from verification.cases import wedge_notch
-from verification.cases.shared.wedge_fans import Fan, _contact_end
-from verification.cases.shared.wedge_meshes import (
+from lacore_verification.cases import wedge_notch
+from lacore_verification.cases.shared.wedge_fans import Fan, _contact_end
+from lacore_verification.cases.shared.wedge_meshes import (
     DEPTH,
     WIDTH,
     Hill,

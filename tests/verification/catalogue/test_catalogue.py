@@ -11,14 +11,15 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-import verification.catalogue.plugins as plugins
+import lacore_verification.catalogue.plugins as plugins
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.case import KINDS
+from lacore_verification.catalogue.catalogue import Catalogue, catalogue, find, tagged
+from lacore_verification.catalogue.checks import check
+from lacore_verification.catalogue.plugins import gather
+from lacore_verification.commands.cli import main
 from tests.conftest import ROOT
-from verification.campaigns.comparison import plan
-from verification.case import KINDS
-from verification.catalogue.catalogue import Catalogue, catalogue, find, tagged
-from verification.catalogue.checks import check
-from verification.catalogue.plugins import gather
-from verification.commands.cli import main
+from tests.processes import SOURCES
 
 CASES = list(catalogue().values())
 EXAMPLES = ROOT / "examples" / "cases"
@@ -115,7 +116,7 @@ def test_cases_lists_tags_and_filters_by_them():
 @pytest.mark.slow
 def test_the_example_runs_from_the_command_line(tmp_path):
     """In a process of its own, as a user would."""
-    command = [sys.executable, "-m", "verification", "compare", "block-on-step", "--json"]
+    command = [sys.executable, "-m", "lacore_verification", "compare", "block-on-step", "--json"]
     options = ["--cases", str(EXAMPLES), "--backends", "clarabel,highs", "--out", str(tmp_path)]
     done = subprocess.run([*command, *options], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -290,7 +291,7 @@ def test_bad_files_get_one_sentence(planted, replacements, message):
 def test_a_bracket_says_what_it_must(planted, stated, message):
     imported = (
         "import lacore as la\n",
-        "import lacore as la\nfrom verification.case.band import Bracketing\n",
+        "import lacore as la\nfrom lacore_verification.case.band import Bracketing\n",
     )
     folder = planted(imported, ("build=build", f"build=build,\n    bracket={stated}"))
     done = run("cases", "--cases", folder)
@@ -313,7 +314,7 @@ def test_a_bracket_says_what_it_must(planted, stated, message):
 def test_wrong_runs_of_the_first_comparison_are_named(planted, stated, message):
     imported = (
         "import lacore as la\n",
-        "import lacore as la\nfrom verification.case import First\n",
+        "import lacore as la\nfrom lacore_verification.case import First\n",
     )
     folder = planted(imported, ("build=build", f"build=build,\n    first={stated}"))
     done = run("cases", "--cases", folder)
@@ -323,7 +324,7 @@ def test_wrong_runs_of_the_first_comparison_are_named(planted, stated, message):
 
 def test_an_order_needs_a_ladder(planted):
     order = (
-        "def order(h):\n    from verification.case import Order\n"
+        "def order(h):\n    from lacore_verification.case import Order\n"
         "    return Order([{}, {}, {}], 1.0, 0.1, 'why')\n\n\nCASE = Case("
     )
     folder = planted(("CASE = Case(", order), ("build=build", "build=build,\n    order=order"))
@@ -400,9 +401,9 @@ def test_an_installed_package_is_found_by_its_metadata(planted):
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text("[lacore.cases]\nmine = planted:CASE\n")
     done = subprocess.run(
-        [sys.executable, "-m", "verification", "cases", "--json"],
+        [sys.executable, "-m", "lacore_verification", "cases", "--json"],
         cwd=ROOT,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(site)])},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([*SOURCES, str(site)])},
         capture_output=True,
         text=True,
     )

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from lacore_verification.commands.cli import main
 from tests.shares import one_in
-from verification.commands.cli import main
 
 HOSTILE = '''"""A block on a floor."""
 
@@ -17,7 +17,7 @@ import sys
 import time
 
 import lacore as la
-from verification.case import Band, Case, Reference, Variant, rigid
+from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def build(mu: float) -> la.Problem:

@@ -5,9 +5,9 @@ import time
 import pytest
 
 import lacore as la
-from backends.clarabel_socp import Clarabel
 from lacore.backend import load_backend
-from verification.commands import doctor
+from lacore_backends.clarabel_socp import Clarabel
+from lacore_verification.commands import doctor
 
 
 class Hanging(Clarabel):

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 import lacore as la
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.store.results import load_outcomes
+from lacore_verification.store.store import NAME, Store
 from tests.verification.command_line import lacore
-from verification.catalogue.catalogue import find
-from verification.store.results import load_outcomes
-from verification.store.store import NAME, Store
 
 RUN = ("wall-1:mu-0.65", "--backends", "clarabel,highs")
 

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from lacore_verification.commands import cli
+from lacore_verification.problems import starters
 from tests.verification.command_line import lacore
-from verification.commands import cli
-from verification.problems import starters
 
 COMMANDS = list(cli.main.commands)
 NEEDED = {

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import lacore as la
-from backends._cvxpy_solvers import SOLVERS
 from lacore.backend import load_backend
 from lacore.certificate import certify
 from lacore.state import ProgramState, contact_force, internal_force
 from lacore.status import Status
-from verification import conformance
-from verification.commands import doctor
-from verification.conformance.judge import AMPLIFIED
-from verification.conformance.programs import WORKED
+from lacore_backends._cvxpy_solvers import SOLVERS
+from lacore_verification import conformance
+from lacore_verification.commands import doctor
+from lacore_verification.conformance.judge import AMPLIFIED
+from lacore_verification.conformance.programs import WORKED
 
 
 @pytest.fixture(scope="module")

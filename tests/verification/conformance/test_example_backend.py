@@ -15,7 +15,7 @@ from tests.conftest import ROOT
 def test_it_is_compared(with_example, tmp_path):
     case, backends = "shear-patch", "ecos,clarabel"
     options = ["--backends", backends, "--meshes", "coarse", "--out", str(tmp_path)]
-    compared = with_example("verification", "compare", case, *options)
+    compared = with_example("lacore_verification", "compare", case, *options)
     assert compared.returncode == 0, compared.stdout + compared.stderr
     with (tmp_path / "results.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from lacore.arrays import Floats
-from verification.campaigns.comparison import plan
-from verification.case import SOLVER
-from verification.perform.one_run import run_here
-from verification.runs.outcome import Outcome
-from verification.verdicts.words import FAIL, PASS
-from verification.verify.answers import answer, finish
-from verification.verify.finding import Finding
-from verification.verify.questions import ask
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.case import SOLVER
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.runs.outcome import Outcome
+from lacore_verification.verdicts.words import FAIL, PASS
+from lacore_verification.verify.answers import answer, finish
+from lacore_verification.verify.finding import Finding
+from lacore_verification.verify.questions import ask
 
 CASES = [  # a load factor; a force, with contact
     "tension:linear-1",

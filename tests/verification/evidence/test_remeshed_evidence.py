@@ -6,9 +6,9 @@ import pytest
 
 import lacore as la
 from lacore.paths.flow import limit_problem
-from verification.case.following import Following
-from verification.cases import wedge_indentation
-from verification.evidence.path import _arrays, _unpacked, packed_step, restored_stage
+from lacore_verification.case.following import Following
+from lacore_verification.cases import wedge_indentation
+from lacore_verification.evidence.path import _arrays, _unpacked, packed_step, restored_stage
 
 
 @pytest.mark.slow

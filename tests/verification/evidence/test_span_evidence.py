@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.catalogue.catalogue import catalogue
-from verification.evidence.limit_state import packed, recheck, restored, unpacked
-from verification.evidence.span_nodes import as_solved, nodes_of, require_hinges
-from verification.perform.one_run import run_here
-from verification.runs.run import Run
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.evidence.limit_state import packed, recheck, restored, unpacked
+from lacore_verification.evidence.span_nodes import as_solved, nodes_of, require_hinges
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.runs.run import Run
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,10 @@ import pytest
 
 from lacore.reporting.findings import restored as restored_findings
 from lacore.reporting.kinds import Kind
-from verification.catalogue.catalogue import catalogue
-from verification.evidence.limit_state import restored
-from verification.perform.one_run import run_here
-from verification.runs.run import Run
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.evidence.limit_state import restored
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.runs.run import Run
 
 
 @pytest.fixture(scope="module")

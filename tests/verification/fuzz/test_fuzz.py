@@ -8,12 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-from tests.shares import one_in
-from tests.verification.command_line import lacore
-from verification.campaigns import fuzzing
-from verification.campaigns.shrinking import candidates, shrunk
-from verification.commands.cli import main
-from verification.fuzz.drawn.cases import (
+from lacore_verification.campaigns import fuzzing
+from lacore_verification.campaigns.shrinking import candidates, shrunk
+from lacore_verification.commands.cli import main
+from lacore_verification.fuzz.drawn.cases import (
     CLASSES,
     case_of,
     draw,
@@ -22,12 +20,14 @@ from verification.fuzz.drawn.cases import (
     run_of,
     runs_of,
 )
-from verification.fuzz.drawn.copies import COPIES, with_law
-from verification.fuzz.drawn.recipe import as_text, build
-from verification.fuzz.examine import examine
-from verification.runs.outcome import Outcome
-from verification.runs.row import Row
-from verification.verdicts.words import FAIL, PASS
+from lacore_verification.fuzz.drawn.copies import COPIES, with_law
+from lacore_verification.fuzz.drawn.recipe import as_text, build
+from lacore_verification.fuzz.examine import examine
+from lacore_verification.runs.outcome import Outcome
+from lacore_verification.runs.row import Row
+from lacore_verification.verdicts.words import FAIL, PASS
+from tests.shares import one_in
+from tests.verification.command_line import lacore
 
 FEW, MANY = 2, 34  # of each class: fast ones, and with the slow ones
 KINDS = list(CLASSES)

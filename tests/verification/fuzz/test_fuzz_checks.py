@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.fuzz.checks.state_checks import check_state
-from verification.fuzz.drawn.cases import draw, random_of
-from verification.fuzz.drawn.recipe import build
+from lacore_verification.fuzz.checks.state_checks import check_state
+from lacore_verification.fuzz.drawn.cases import draw, random_of
+from lacore_verification.fuzz.drawn.recipe import build
 
 # How many of each class: the first that are certified, with shear in their contacts, or without.
 SHEARED = {"blocks": 2, "mixtures": 1, "two-bodies": 1, "frames": 1}

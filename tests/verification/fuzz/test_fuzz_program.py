@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from verification.fuzz.checks.block_program import known_of
-from verification.fuzz.checks.linear_program import Program, maximum
-from verification.fuzz.checks.quadrature import in_cells, on_edges
-from verification.fuzz.drawn.cases import recipe_of
+from lacore_verification.fuzz.checks.block_program import known_of
+from lacore_verification.fuzz.checks.linear_program import Program, maximum
+from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
+from lacore_verification.fuzz.drawn.cases import recipe_of
 
 # The programs are solved to 1e-10 of each row.
 BAR = 1e-9

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.fuzz.checks.existence import carries
-from verification.fuzz.checks.rigid_motions import refuted_words
-from verification.fuzz.drawn.recipe import build
+from lacore_verification.fuzz.checks.existence import carries
+from lacore_verification.fuzz.checks.rigid_motions import refuted_words
+from lacore_verification.fuzz.drawn.recipe import build
 
 SQUARE = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]]
 

@@ -8,15 +8,15 @@ import pytest
 
 import lacore as la
 from lacore.paths.stage import staged
-from verification.campaigns.shrinking import candidates
-from verification.fuzz.checks.path_copies import moved_back, same_load
-from verification.fuzz.checks.path_facts import check_facts, exact_force
-from verification.fuzz.checks.verdict import first
-from verification.fuzz.drawn.cases import draw
-from verification.fuzz.drawn.copies import COPIES, copied
-from verification.fuzz.drawn.paths import follow
-from verification.fuzz.drawn.recipe import build
-from verification.fuzz.examine import examine
+from lacore_verification.campaigns.shrinking import candidates
+from lacore_verification.fuzz.checks.path_copies import moved_back, same_load
+from lacore_verification.fuzz.checks.path_facts import check_facts, exact_force
+from lacore_verification.fuzz.checks.verdict import first
+from lacore_verification.fuzz.drawn.cases import draw
+from lacore_verification.fuzz.drawn.copies import COPIES, copied
+from lacore_verification.fuzz.drawn.paths import follow
+from lacore_verification.fuzz.drawn.recipe import build
+from lacore_verification.fuzz.examine import examine
 
 PAIRS, TOOLS = "pairs-on-paths", "tools-on-paths"
 KINDS = [PAIRS, TOOLS]

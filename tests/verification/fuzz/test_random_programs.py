@@ -11,9 +11,9 @@ from lacore.certificate import certify
 from lacore.inner.left_over import could_turn_over
 from lacore.program import require_finite
 from lacore.status import Status
-from verification.commands.cli import main
-from verification.fuzz.programs.drawn import DRAWN, draw_program
-from verification.fuzz.programs.judge import (
+from lacore_verification.commands.cli import main
+from lacore_verification.fuzz.programs.drawn import DRAWN, draw_program
+from lacore_verification.fuzz.programs.judge import (
     BAR,
     NOTHING,
     RIGHT,
@@ -24,7 +24,7 @@ from verification.fuzz.programs.judge import (
     recomputed,
     verdict,
 )
-from verification.fuzz.programs.sweep import (
+from lacore_verification.fuzz.programs.sweep import (
     LARGE,
     drawn_programs,
     in_turn,

@@ -6,20 +6,18 @@ import signal
 import subprocess
 import sys
 from math import isnan
-from pathlib import Path
 
 import pytest
 
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.perform.processes import run_in_processes
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import NAME
+from lacore_verification.verdicts.words import FAIL, PASS, SKIPPED
 from tests.broken_backends import BACKENDS, COMPILE, UNUSABLE, plant
-from tests.processes import alive, hear_ctrl_c, marked, wait_for
-from verification.campaigns.comparison import plan
-from verification.perform.processes import run_in_processes
-from verification.store.results import load_results
-from verification.store.store import NAME
-from verification.verdicts.words import FAIL, PASS, SKIPPED
+from tests.processes import SOURCES, alive, hear_ctrl_c, marked, wait_for
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
-ROOT = Path(__file__).parents[3]
 CASE = "shear-patch:sliding"
 GOOD = ["Works", "Talks", "AnswersAtLength", "TakesMemory", "CompilesSlowly"]
 BROKEN = {
@@ -167,11 +165,11 @@ def test_no_process_is_left(compared):
 def started(tmp_path):
     """Start `lacore compare` with a backend that hangs after one that works; see to its end."""
     plant(tmp_path)
-    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    path = os.pathsep.join([str(tmp_path), *SOURCES])
     results = tmp_path / "out" / NAME
 
     def start(backend, time_limit):
-        command = [sys.executable, "-m", "verification", "compare", CASE]
+        command = [sys.executable, "-m", "lacore_verification", "compare", CASE]
         command += ["--backends", f"clarabel,{backend}", "--meshes", "coarse"]
         command += ["--couplings", "certified"]  # one run of each backend
         command += ["--time-limit", str(time_limit), "--out", str(results.parent), "--jobs", "1"]

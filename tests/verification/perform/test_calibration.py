@@ -2,7 +2,7 @@
 
 from math import isnan
 
-from verification.perform import calibration
+from lacore_verification.perform import calibration
 
 
 class Clock:

@@ -15,15 +15,15 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-import verification.commands.cli as cli
+import lacore_verification.commands.cli as cli
 from lacore.errors import InputError
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.campaigns.sweep import plan
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import NAME
 from tests.broken_backends import plant
 from tests.processes import alive, marked, wait_for
 from tests.verification.results_tables import lasting
-from verification.campaigns.run_all import run_all
-from verification.campaigns.sweep import plan
-from verification.store.results import load_results
-from verification.store.store import NAME
 
 # Its event loop leaves sockets of the other side to the garbage collector when a worker is killed.
 pytestmark = [
@@ -50,7 +50,7 @@ def collected():
 @pytest.fixture
 def dask_execution():
     """The module under test; Dask takes half a second to load, so not when tests are collected."""
-    return importlib.import_module("verification.perform.dask")
+    return importlib.import_module("lacore_verification.perform.dask")
 
 
 @pytest.fixture(scope="module")
@@ -240,8 +240,8 @@ def test_a_cluster_of_nobody(tmp_path, monkeypatch, dask_execution):
 
 
 def test_a_missing_package(tmp_path, monkeypatch):
-    monkeypatch.delitem(sys.modules, "verification.perform.dask", raising=False)
-    monkeypatch.delattr("verification.perform.dask", raising=False)
+    monkeypatch.delitem(sys.modules, "lacore_verification.perform.dask", raising=False)
+    monkeypatch.delattr("lacore_verification.perform.dask", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     result = command(*BLOCK, "--out", str(tmp_path / "out"), "--dask")
     assert result.exit_code == 2

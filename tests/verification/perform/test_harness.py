@@ -6,24 +6,23 @@ from math import inf, isnan, nan
 import pytest
 
 import lacore as la
-import verification.perform.one_run as harness
+import lacore_verification.perform.one_run as harness
 from lacore.backend import Capabilities
 from lacore.regularization import RegularisedValues
-from tests.verification.command_line import run_in_order
-from verification.campaigns import comparison
-from verification.campaigns.comparison import capabilities, plan
-from verification.campaigns.run_all import run_all
-from verification.case import Band, Reference, Variant
-from verification.catalogue.catalogue import find
-from verification.perform import limit_state
-from verification.perform.one_run import run_here
-from verification.perform.processes import lost
-from verification.runs.outcome import NO_EVIDENCE
-from verification.runs.run import Run
-from verification.store.results import load_results
-from verification.store.store import NAME
-from verification.verdicts.limit_state import judge, refutation
-from verification.verdicts.words import (
+from lacore_verification.campaigns import comparison
+from lacore_verification.campaigns.comparison import capabilities, plan
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.case import Band, Reference, Variant
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.perform import limit_state
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.perform.processes import lost
+from lacore_verification.runs.outcome import NO_EVIDENCE
+from lacore_verification.runs.run import Run
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import NAME
+from lacore_verification.verdicts.limit_state import judge, refutation
+from lacore_verification.verdicts.words import (
     BOUND_ONLY,
     FAIL,
     NO_REFERENCE,
@@ -32,6 +31,7 @@ from verification.verdicts.words import (
     SKIPPED,
     tally,
 )
+from tests.verification.command_line import run_in_order
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 NEXT_TO_NOTHING = Band(1e-5, 1e-5, "")

@@ -8,18 +8,18 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
+from lacore_verification import conformance
+from lacore_verification.case.band import BRACKET, PROVEN
+from lacore_verification.commands import cli
+from lacore_verification.fuzz.programs.drawn import draw_program
+from lacore_verification.fuzz.programs.judge import RIGHT, WRONG
+from lacore_verification.fuzz.programs.sweep import rows_of
+from lacore_verification.runs.row import STRICT
+from lacore_verification.store.results import load_results
+from lacore_verification.verdicts.words import FAIL, PASS, SKIPPED
 from tests.lacore.models import punch
 from tests.lacore.paths.path_billets import billet
 from tests.lying_backends import LIES, Undescribed, Untidy, register
-from verification import conformance
-from verification.case.band import BRACKET, PROVEN
-from verification.commands import cli
-from verification.fuzz.programs.drawn import draw_program
-from verification.fuzz.programs.judge import RIGHT, WRONG
-from verification.fuzz.programs.sweep import rows_of
-from verification.runs.row import STRICT
-from verification.store.results import load_results
-from verification.verdicts.words import FAIL, PASS, SKIPPED
 
 SOME = (
     *("ForcesReferenceLoad", "DoublesTheLoadFactor", "ZeroVelocity", "ClaimsLocked"),

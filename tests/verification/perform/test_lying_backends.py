@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 
 import lacore as la
+from lacore_verification.analysis.noise import noise
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.perform.processes import run_in_processes
+from lacore_verification.verdicts.words import FAIL, PASS, SKIPPED
 from tests.lacore.models import deformable_block
 from tests.lying_backends import LIES, Undescribed, Untidy, register
-from verification.analysis.noise import noise
-from verification.campaigns.comparison import plan
-from verification.perform.processes import run_in_processes
-from verification.verdicts.words import FAIL, PASS, SKIPPED
 
 QUICK = {
     *("DoublesReferenceLoad", "ForcesReferenceLoad", "ForcesContactNormalData"),

@@ -12,9 +12,9 @@ from lacore.errors import InputError
 from lacore.files.problem.reading import read
 from lacore.files.problem.source import Source, written
 from lacore.files.problem.writing import toml
+from lacore_verification.problems import starters
 from tests.verification.command_line import lacore
 from tests.verification.problems import others
-from verification.problems import starters
 
 VALUES = (
     *(float("nan"), float("inf"), float("-inf"), 0, 0.0, -1, -2.5, 1e300, 1e-300, 10**30, 3),

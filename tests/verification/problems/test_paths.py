@@ -12,9 +12,9 @@ import pytest
 
 import lacore as la
 from lacore.files.problem.reading import read
+from lacore_verification.problems import starters
+from lacore_verification.problems.path_page import certified
 from tests.verification.command_line import lacore
-from verification.problems import starters
-from verification.problems.path_page import certified
 
 BAR = """\
 title = "A bar that is drawn out"
@@ -124,7 +124,7 @@ def test_a_path_that_ends_early_says_why_and_keeps_its_steps(bar, tmp_path):
 
 
 def test_an_interrupted_path_says_what_is_kept(bar, tmp_path, monkeypatch):
-    from verification.problems import following
+    from lacore_verification.problems import following
 
     def interrupt(steps, now):
         steps.finished += 1

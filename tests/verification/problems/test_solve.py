@@ -15,12 +15,12 @@ from lacore.limit.solve import solve
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
 from lacore.reporting.units import Units
+from lacore_verification.problems import starters
+from lacore_verification.problems.answers import ProblemResults
+from lacore_verification.problems.words import lines
 from tests.conftest import ROOT
 from tests.lacore.files.problem import footing
 from tests.verification.command_line import lacore
-from verification.problems import starters
-from verification.problems.answers import ProblemResults
-from verification.problems.words import lines
 
 STARTERS = starters.titles()
 PATHS = [name for name in STARTERS if "\n[path]" in starters.text(name)]  # see test_paths

@@ -9,8 +9,8 @@ from math import radians, tan
 import pytest
 
 from lacore.files.problem.source import Source
+from lacore_verification.problems import starters
 from tests.verification.command_line import lacore
-from verification.problems import starters
 
 CRATE = """\
 [bodies.crate]

@@ -3,10 +3,10 @@
 import pandas as pd
 import pytest
 
+from lacore_verification.report import files
+from lacore_verification.report.blocks import Document, Report, Section, Table
+from lacore_verification.report.columns import Column
 from tests.verification.command_line import lacore
-from verification.report import files
-from verification.report.blocks import Document, Report, Section, Table
-from verification.report.columns import Column
 
 
 @pytest.fixture(scope="session")

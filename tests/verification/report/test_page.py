@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from lacore import InputError
 from lacore.pictures.axis import power
-from verification.analysis.slope_fits import Slope
-from verification.report import document, files
-from verification.report.blocks import (
+from lacore_verification.analysis.slope_fits import Slope
+from lacore_verification.report import document, files
+from lacore_verification.report.blocks import (
     Details,
     Document,
     Drawing,
@@ -23,11 +23,11 @@ from verification.report.blocks import (
     Section,
     Table,
 )
-from verification.report.charts import axes
-from verification.report.charts.axes import ERROR, FACTOR, Axis
-from verification.report.charts.svg import Chart, Tip, inline
-from verification.report.charts.theme import VARIABLES
-from verification.report.columns import Anchor, Column, slug
+from lacore_verification.report.charts import axes
+from lacore_verification.report.charts.axes import ERROR, FACTOR, Axis
+from lacore_verification.report.charts.svg import Chart, Tip, inline
+from lacore_verification.report.charts.theme import VARIABLES
+from lacore_verification.report.columns import Anchor, Column, slug
 
 SWEEP = pd.DataFrame(
     [

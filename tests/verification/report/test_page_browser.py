@@ -7,10 +7,8 @@ import pytest
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from tests.verification.report.browser import WIDTHS
-from tests.verification.report.test_page import FITS, SWEEP, R
-from verification.catalogue.catalogue import find
-from verification.report.blocks import (
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.report.blocks import (
     Card,
     Cards,
     Count,
@@ -32,12 +30,14 @@ from verification.report.blocks import (
     Tally,
     Text,
 )
-from verification.report.charts import axes
-from verification.report.charts.axes import ERROR
-from verification.report.charts.figures import png
-from verification.report.columns import Anchor, Column, slug
-from verification.report.description import description, lead
-from verification.report.tables import certificates_table, reasons_table, results_table
+from lacore_verification.report.charts import axes
+from lacore_verification.report.charts.axes import ERROR
+from lacore_verification.report.charts.figures import png
+from lacore_verification.report.columns import Anchor, Column, slug
+from lacore_verification.report.description import description, lead
+from lacore_verification.report.tables import certificates_table, reasons_table, results_table
+from tests.verification.report.browser import WIDTHS
+from tests.verification.report.test_page import FITS, SWEEP, R
 
 HOSTILE = (
     "<script>window.owned = 1</script>\"'><img src=x onerror='window.owned = 1'>"

@@ -3,8 +3,7 @@
 import pandas as pd
 import pytest
 
-from tests.verification.report.browser import WIDTHS
-from verification.report.blocks import (
+from lacore_verification.report.blocks import (
     Card,
     Cards,
     Details,
@@ -15,7 +14,8 @@ from verification.report.blocks import (
     Table,
     Text,
 )
-from verification.report.columns import Column
+from lacore_verification.report.columns import Column
+from tests.verification.report.browser import WIDTHS
 
 
 def chosen(page):

@@ -9,13 +9,21 @@ import pytest
 from markdown_it import MarkdownIt  # comes with rich
 from matplotlib.figure import Figure
 
+from lacore_verification.report import files
+from lacore_verification.report.blocks import (
+    Document,
+    Drawing,
+    Gallery,
+    Picture,
+    Report,
+    Section,
+    Table,
+)
+from lacore_verification.report.charts.figures import png
+from lacore_verification.report.columns import Column
+from lacore_verification.report.files import case_files, markdown, pictures
+from lacore_verification.store.manifest import MANIFEST
 from tests.verification.report.test_page import HOSTILE, TABLE, fitted
-from verification.report import files
-from verification.report.blocks import Document, Drawing, Gallery, Picture, Report, Section, Table
-from verification.report.charts.figures import png
-from verification.report.columns import Column
-from verification.report.files import case_files, markdown, pictures
-from verification.store.manifest import MANIFEST
 
 
 def test_table_as_markdown():

@@ -5,15 +5,18 @@ from math import nan
 import pandas as pd
 import pytest
 
+from lacore_verification.report.blocks import Details, Document, Gallery, Section
+from lacore_verification.report.charts.lines import with_lines
+from lacore_verification.report.studies import single_solves
+from lacore_verification.report.studies.convergence import (
+    refinement_section,
+    regularisation_section,
+)
+from lacore_verification.report.studies.single_solves import single_solves_section
+from lacore_verification.report.studies.solvers import effort_section, solvers_section
+from lacore_verification.report.tables import certificates_table, reasons_table, results_table
 from tests.shares import one_in
 from tests.verification.report.test_page import HOSTILE, Parsed, rendered
-from verification.report.blocks import Details, Document, Gallery, Section
-from verification.report.charts.lines import with_lines
-from verification.report.studies import single_solves
-from verification.report.studies.convergence import refinement_section, regularisation_section
-from verification.report.studies.single_solves import single_solves_section
-from verification.report.studies.solvers import effort_section, solvers_section
-from verification.report.tables import certificates_table, reasons_table, results_table
 
 STAR = 2.0
 R = [10 ** (-k / 2) for k in range(2, 11)]

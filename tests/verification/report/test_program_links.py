@@ -9,18 +9,18 @@ from math import isnan
 import pandas as pd
 import pytest
 
-from tests.program_files import solve_file
-from tests.verification.command_line import lacore
-from verification.campaigns import compared_programs, comparison
-from verification.campaigns.compared_programs import (
+from lacore_verification.campaigns import compared_programs, comparison
+from lacore_verification.campaigns.compared_programs import (
     copy_programs,
     program_files,
     sources_of,
     write_programs,
 )
-from verification.catalogue.catalogue import catalogue
-from verification.perform.one_run import run_here
-from verification.store.results import load_outcomes
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.store.results import load_outcomes
+from tests.program_files import solve_file
+from tests.verification.command_line import lacore
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def requested(monkeypatch):
 
 @pytest.fixture(autouse=True)
 def one_process(monkeypatch):
-    monkeypatch.setattr("verification.perform.pool.TOGETHER", 1000)
+    monkeypatch.setattr("lacore_verification.perform.pool.TOGETHER", 1000)
 
 
 def index_of(folder):

@@ -7,14 +7,14 @@ from importlib import util
 import pandas as pd
 import pytest
 
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.report.blocks import Picture
+from lacore_verification.report.files import file_names, write
+from lacore_verification.store.provenance import describe
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import NAME, sessions
 from tests.conftest import ROOT
 from tests.verification.command_line import run_in_order
-from verification.campaigns.run_all import run_all
-from verification.report.blocks import Picture
-from verification.report.files import file_names, write
-from verification.store.provenance import describe
-from verification.store.results import load_results
-from verification.store.store import NAME, sessions
 
 REPORT = ROOT / "reports" / "reference"
 SAME = ["case", "variant", "backend", "coupling", "mesh", "n_elements", "n_dofs", "expected"]

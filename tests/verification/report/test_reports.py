@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from lacore_verification.campaigns import sweep
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.store.store import NAME
 from tests.verification.command_line import lacore as run
 from tests.verification.command_line import run_in_order
-from verification.campaigns import sweep
-from verification.campaigns.comparison import plan
-from verification.campaigns.run_all import run_all
-from verification.store.store import NAME
 
 CASES = ["shear-patch", "deformable-block:crushing", "wedge-extraction:rough"]
 LINK = re.compile(r"""(?:src|href)\s*=\s*["']([^"']*)""")

@@ -5,11 +5,11 @@ import shlex
 import click
 import pytest
 
-from verification.campaigns import comparison, overview, sweep
-from verification.campaigns.backend_options import with_options
-from verification.catalogue.catalogue import catalogue
-from verification.commands import cli
-from verification.runs.commands import commands_of
+from lacore_verification.campaigns import comparison, overview, sweep
+from lacore_verification.campaigns.backend_options import with_options
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.commands import cli
+from lacore_verification.runs.commands import commands_of
 
 
 def arguments(command):

@@ -6,10 +6,10 @@ import pytest
 
 import lacore as la
 from lacore.backend import load_backend
-from verification.campaigns.comparison import plan
-from verification.fuzz.drawn.cases import runs_of
-from verification.store import provenance
-from verification.store.provenance import code_of, describe
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.fuzz.drawn.cases import runs_of
+from lacore_verification.store import provenance
+from lacore_verification.store.provenance import code_of, describe
 
 
 @pytest.fixture

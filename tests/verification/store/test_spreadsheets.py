@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from verification.report.blocks import Table
-from verification.report.columns import Column
-from verification.report.files import markdown
-from verification.store.results import export
-from verification.store.spreadsheets import as_text, as_written, quoted, unquoted
+from lacore_verification.report.blocks import Table
+from lacore_verification.report.columns import Column
+from lacore_verification.report.files import markdown
+from lacore_verification.store.results import export
+from lacore_verification.store.spreadsheets import as_text, as_written, quoted, unquoted
 
 FORMULAS = [
     "=HYPERLINK(1)", "+HYPERLINK(1)", "-HYPERLINK(1)", "@SUM(1)", "\t=1", "\n=1", "=2", "=",

@@ -15,14 +15,14 @@ import pandas as pd
 import pytest
 
 import lacore as la
+from lacore_verification.campaigns import comparison
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.campaigns.sweep import plan
+from lacore_verification.runs.run import canonical
+from lacore_verification.store.results import load_results
+from lacore_verification.store.store import _APPLICATION, NAME, SCHEMA, Store, entries, sessions
+from lacore_verification.store.stored_rows import WrongFieldError, _check_stopped
 from tests.verification.command_line import run_in_order
-from verification.campaigns import comparison
-from verification.campaigns.run_all import run_all
-from verification.campaigns.sweep import plan
-from verification.runs.run import canonical
-from verification.store.results import load_results
-from verification.store.store import _APPLICATION, NAME, SCHEMA, Store, entries, sessions
-from verification.store.stored_rows import WrongFieldError, _check_stopped
 
 ROOT = Path(__file__).parents[3]
 ABOUT = {"date": "a day"}
@@ -203,7 +203,7 @@ LIMITED = """
 import resource, sys
 limit = int(sys.argv[1])
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-from verification.commands.cli import main
+from lacore_verification.commands.cli import main
 main(sys.argv[2:])
 """
 
@@ -227,7 +227,7 @@ def test_a_sweep_on_a_full_disk_says_so_and_goes_on_later(tmp_path):
     assert "every finished run is kept" in " ".join(stopped.stderr.split())
     before = load_results(out)
     assert 0 < len(before) < 20
-    assert command("-m", "verification").returncode == 0
+    assert command("-m", "lacore_verification").returncode == 0
     after = load_results(out)
     assert len(after) == 20
     kept = after[after["run"].isin(before["run"])].reset_index(drop=True)
@@ -305,7 +305,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 HOLDS = """
 import sys, time
 from pathlib import Path
-from verification.store.store import Store
+from lacore_verification.store.store import Store
 with Store(Path(sys.argv[1]), {}):
     print("open", flush=True)
     time.sleep(3600)
@@ -330,7 +330,10 @@ def test_the_lock_of_a_killed_writer_is_none(path):
 
 def test_nothing_that_is_read_is_run(path):
     """Text is JSON, arrays are plain: an attacker's pickle stays bytes."""
-    rooms = [ROOT / "verification" / room for room in ("store", "evidence", "runs")]
+    rooms = [
+        ROOT / "verification" / "lacore_verification" / room
+        for room in ("store", "evidence", "runs")
+    ]
     text = "".join(file.read_text() for room in rooms for file in room.glob("*.py"))
     assert "allow_pickle=False" in text
     assert "import pickle" not in text

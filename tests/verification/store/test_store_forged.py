@@ -15,18 +15,26 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore_verification.campaigns import comparison
+from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.campaigns.sweep import plan
+from lacore_verification.case import Variant
+from lacore_verification.catalogue.plugins import gather
+from lacore_verification.evidence.limit_state import packed, unpacked
+from lacore_verification.runs.run import canonical
+from lacore_verification.store.results import load_outcomes, load_results
+from lacore_verification.store.store import (
+    _COLUMNS,
+    NAME,
+    SCHEMA,
+    Store,
+    _checksum,
+    entries,
+    sessions,
+)
+from lacore_verification.store.stored_rows import TEXTS, seal_of
 from tests.conftest import ROOT
 from tests.verification.command_line import run_in_order
-from verification.campaigns import comparison
-from verification.campaigns.run_all import run_all
-from verification.campaigns.sweep import plan
-from verification.case import Variant
-from verification.catalogue.plugins import gather
-from verification.evidence.limit_state import packed, unpacked
-from verification.runs.run import canonical
-from verification.store.results import load_outcomes, load_results
-from verification.store.store import _COLUMNS, NAME, SCHEMA, Store, _checksum, entries, sessions
-from verification.store.stored_rows import TEXTS, seal_of
 
 ODD = [
     nan, inf, -inf, -1.0, 1e308, 10**400, 0.5, 7, True, None, "", "solved", "x" * 5000, "\x00",

@@ -4,8 +4,8 @@ from math import isnan
 
 import pytest
 
-from verification.case import Reference, rigid
-from verification.verdicts.allowed import distance
+from lacore_verification.case import Reference, rigid
+from lacore_verification.verdicts.allowed import distance
 
 LISTED = Reference(
     1.0, "f", "s", "interval of one mechanism", up_to=2.0, associated=2.5, complete=False

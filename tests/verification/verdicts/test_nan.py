@@ -8,31 +8,31 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification import conformance
-from verification.analysis.effort import couplings
-from verification.analysis.profiles import rates
-from verification.campaigns.comparison import plan
-from verification.case import UNKNOWN_KINDS, Band, Order, Reference
-from verification.case.band import Bracketing
-from verification.case.following import Following, Reading
-from verification.catalogue.catalogue import Catalogue, find
-from verification.catalogue.checks import check
-from verification.conformance.judge import measured
-from verification.evidence.bracket import Shares, packed_shares
-from verification.evidence.limit_state import Proof
-from verification.perform.one_run import run_here
-from verification.runs.outcome import Evidence, Outcome
-from verification.runs.row import STRICT, Row
-from verification.store.results import as_table
-from verification.verdicts.allowed import Allowed
-from verification.verdicts.bracket import judge_bracket
-from verification.verdicts.limit_state import judge
-from verification.verdicts.path import judge_path, largest_error
-from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, tally
-from verification.verify import answer, ask, finish
-from verification.verify.bracket import gap
-from verification.verify.limit_state import lambda_below_exact, upper_from_above, value
-from verification.verify.residuals import residuals
+from lacore_verification import conformance
+from lacore_verification.analysis.effort import couplings
+from lacore_verification.analysis.profiles import rates
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.case import UNKNOWN_KINDS, Band, Order, Reference
+from lacore_verification.case.band import Bracketing
+from lacore_verification.case.following import Following, Reading
+from lacore_verification.catalogue.catalogue import Catalogue, find
+from lacore_verification.catalogue.checks import check
+from lacore_verification.conformance.judge import measured
+from lacore_verification.evidence.bracket import Shares, packed_shares
+from lacore_verification.evidence.limit_state import Proof
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.runs.outcome import Evidence, Outcome
+from lacore_verification.runs.row import STRICT, Row
+from lacore_verification.store.results import as_table
+from lacore_verification.verdicts.allowed import Allowed
+from lacore_verification.verdicts.bracket import judge_bracket
+from lacore_verification.verdicts.limit_state import judge
+from lacore_verification.verdicts.path import judge_path, largest_error
+from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, PASS, tally
+from lacore_verification.verify import answer, ask, finish
+from lacore_verification.verify.bracket import gap
+from lacore_verification.verify.limit_state import lambda_below_exact, upper_from_above, value
+from lacore_verification.verify.residuals import residuals
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 KNOWN = Reference(0.6, "f", "s", "exact")

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from verification.campaigns.comparison import plan
-from verification.catalogue.catalogue import catalogue
-from verification.commands.tables import show_results
-from verification.perform.one_run import run_here
-from verification.report.page import results_frame
-from verification.report.tables import results_table
-from verification.store.results import as_table
+from lacore_verification.campaigns.comparison import plan
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.commands.tables import show_results
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.report.page import results_frame
+from lacore_verification.report.tables import results_table
+from lacore_verification.store.results import as_table
 
 HELD = "block-incline-vertical:rough-pulled"
 STANDS = "block-incline:up-mu-0.5"

@@ -12,24 +12,24 @@ import numpy as np
 import pytest
 
 import lacore as la
-import verification.catalogue.plugins as plugins
+import lacore_verification.catalogue.plugins as plugins
 from lacore.adaptive.refine import width
 from lacore.meshes.checks import quality
+from lacore_verification.analysis.slope_fits import fit_slope
+from lacore_verification.case import UNKNOWN, Reference
+from lacore_verification.case.band import BRACKET, Bracketing
+from lacore_verification.catalogue.catalogue import Catalogue, catalogue, find
+from lacore_verification.evidence.bracket import packed_shares, unpacked_shares
+from lacore_verification.perform.irregular import irregular
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.report.bracket import widths, widths_chart
+from lacore_verification.report.drawing import brackets, painted
+from lacore_verification.report.stored_figures import stored_shares
+from lacore_verification.store.results import load_results
+from lacore_verification.verdicts.bracket import between
+from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
+from lacore_verification.verify import Finished, answer, ask, finish, runs_of
 from tests.verification.command_line import lacore
-from verification.analysis.slope_fits import fit_slope
-from verification.case import UNKNOWN, Reference
-from verification.case.band import BRACKET, Bracketing
-from verification.catalogue.catalogue import Catalogue, catalogue, find
-from verification.evidence.bracket import packed_shares, unpacked_shares
-from verification.perform.irregular import irregular
-from verification.perform.one_run import run_here
-from verification.report.bracket import widths, widths_chart
-from verification.report.drawing import brackets, painted
-from verification.report.stored_figures import stored_shares
-from verification.store.results import load_results
-from verification.verdicts.bracket import between
-from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
-from verification.verify import Finished, answer, ask, finish, runs_of
 
 STRIP = find("opposed-punches:h-1")[0]  # exact: 2, without friction
 NAMED = {

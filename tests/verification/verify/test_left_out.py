@@ -2,12 +2,12 @@
 
 import pytest
 
+from lacore_verification.campaigns.comparison import capabilities, is_regularised
+from lacore_verification.campaigns.overview import shown_first
+from lacore_verification.case.band import BRACKET
+from lacore_verification.catalogue.catalogue import Catalogue, catalogue
+from lacore_verification.verify import ask, left_out, runs_of
 from tests.verification.command_line import lacore
-from verification.campaigns.comparison import capabilities, is_regularised
-from verification.campaigns.overview import shown_first
-from verification.case.band import BRACKET
-from verification.catalogue.catalogue import Catalogue, catalogue
-from verification.verify import ask, left_out, runs_of
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,15 @@ from math import nan
 import pytest
 
 import lacore as la
-from verification.case import RANGE, UNKNOWN
-from verification.catalogue.catalogue import find
-from verification.perform.one_run import run_here
-from verification.report.page import results_frame
-from verification.report.tables import beside_table, ranges_table
-from verification.runs.run import Run
-from verification.store.store import Store, entries
-from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
-from verification.verify import answer, ask, finish
+from lacore_verification.case import RANGE, UNKNOWN
+from lacore_verification.catalogue.catalogue import find
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.report.page import results_frame
+from lacore_verification.report.tables import beside_table, ranges_table
+from lacore_verification.runs.run import Run
+from lacore_verification.store.store import Store, entries
+from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
+from lacore_verification.verify import answer, ask, finish
 
 FOOTING = find("footing-nonassociated")[0]
 SMALL = {"nx": 3, "ny": 2, "ratio": 2.0}

@@ -13,17 +13,18 @@ from math import nan
 
 import pytest
 
-import verification.catalogue.plugins as plugins
+import lacore_verification.catalogue.plugins as plugins
+from lacore_verification.case import Band, Reference
+from lacore_verification.case.band import BRACKET
+from lacore_verification.catalogue.catalogue import Catalogue, catalogue, find
+from lacore_verification.evidence.limit_state import packed, unpacked
+from lacore_verification.perform.one_run import run_here
+from lacore_verification.store.store import _checksum
+from lacore_verification.verdicts.words import FAIL, PASS, SKIPPED
+from lacore_verification.verify import Finished, answer, as_table, ask, finish, runs_of, tally
 from tests.conftest import ROOT
+from tests.processes import SOURCES
 from tests.verification.command_line import lacore
-from verification.case import Band, Reference
-from verification.case.band import BRACKET
-from verification.catalogue.catalogue import Catalogue, catalogue, find
-from verification.evidence.limit_state import packed, unpacked
-from verification.perform.one_run import run_here
-from verification.store.store import _checksum
-from verification.verdicts.words import FAIL, PASS, SKIPPED
-from verification.verify import Finished, answer, as_table, ask, finish, runs_of, tally
 
 PATCH = find("shear-patch:yielding")[0]
 STEP = (ROOT / "examples" / "cases" / "block_on_step.py").read_text(encoding="utf-8")
@@ -445,7 +446,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path, monkeypatch):
     def stopped(*arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("verification.campaigns.run_all.run_all", stopped)
+    monkeypatch.setattr("lacore_verification.campaigns.run_all.run_all", stopped)
     result = run("shear-patch", "--out", tmp_path)
     assert result.exit_code == 130
     assert "repeat the command to continue" in result.stderr
@@ -465,8 +466,15 @@ def collected(tmp_path):
     def run_pytest(*arguments):
         folder = tmp_path / "nowhere"
         folder.mkdir()
-        path = os.pathsep.join([str(tmp_path), str(ROOT)])
-        command = [sys.executable, "-m", "pytest", "--pyargs", "verification.case_checks", "-v"]
+        path = os.pathsep.join([str(tmp_path), *SOURCES])
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "--pyargs",
+            "lacore_verification.case_checks",
+            "-v",
+        ]
         done = subprocess.run(
             [*command, "-p", "no:cacheprovider", *arguments],
             cwd=folder,

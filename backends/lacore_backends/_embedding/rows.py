@@ -1,0 +1,86 @@
+"""Rows of the embedding, point by point."""
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix, vstack
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore_backends._embedding.loops.best import Loops
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of m points of `dim` components each, point by point.
+
+    Attributes:
+        matrix: shape (m dim, n).
+        dim: components of a point.
+        norms: squared norm of the rows of a point, their mean, shape (m,).
+        loops: over points.
+    """
+
+    matrix: Sparse
+    dim: int
+    norms: Floats
+    loops: Loops
+
+    @classmethod
+    def of(cls, matrix: Sparse, dim: int, weights: Floats, loops: Loops) -> "Rows":
+        """Rows times the weights of their points, shape (m,)."""
+        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+        own = copy(matrix)  # what it is made of is checked at every other making
+        own.data = matrix.data * np.repeat(weights, dim)[row]
+        squares = np.bincount(row // dim, own.data**2, weights.size) / dim
+        largest = float(squares.max(initial=0.0)) or 1.0
+        return cls(own, dim, np.maximum(squares, 1e-12 * largest), loops)
+
+    @property
+    def count(self) -> int:
+        """Points m."""
+        return int(self.norms.size)
+
+    def at(self, velocity: Floats) -> Floats:
+        """Components of all points, shape (dim, m)."""
+        return self.loops.rates(self.matrix, self.dim, velocity)
+
+    def force(self, parts: Floats) -> Floats:
+        """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
+        return self.loops.forces(self.matrix, parts)
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Rows of several kinds below each other: one call does what is done to all of them.
+
+    Attributes:
+        matrix: shape (all rows, n).
+        spans: of each kind its dim and count, its first row, its first point, and where in the
+            array of a `Vector` its multipliers are, shape (k, 5).
+        norms: of all points.
+        loops: over points.
+    """
+
+    matrix: Sparse
+    spans: Ints
+    norms: Floats
+    loops: Loops
+
+    @classmethod
+    def of(cls, kinds: Sequence[Rows], places: Sequence[int]) -> "Stack":
+        """Of kinds whose multipliers begin at such places."""
+        sizes = [(rows.dim, rows.count) for rows in kinds]
+        first_row = np.cumsum([0, *(dim * count for dim, count in sizes)])
+        first_point = np.cumsum([0, *(count for _, count in sizes)])
+        spans = [
+            (*size, row, point, place)
+            for size, row, point, place in zip(sizes, first_row, first_point, places, strict=False)
+        ]
+        return cls(
+            csr_matrix(vstack([rows.matrix for rows in kinds])),
+            np.array(spans, dtype=np.int64),
+            np.concatenate([rows.norms for rows in kinds]),
+            kinds[0].loops,
+        )

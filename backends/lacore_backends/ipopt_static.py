@@ -1,0 +1,158 @@
+"""IPOPT through CasADi on the exact static program (T7): the largest load that stresses carry.
+
+The exact limit load from the other side, found by a solver for nonlinear programs: no velocity is
+among its unknowns, no regularisation in its program. Hardening within a step of a path (T29) would
+make yield a cost of what stresses exceed it by: not written here.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import Capabilities, InnerSolution
+from lacore.errors import require_count, require_positive
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.state import ProgramState, out_of_balance
+from lacore.status import Status
+from lacore_backends._ipopt import STATUS_MAP, solver_version, unavailable
+from lacore_backends._static_program import LARGEST, StaticProgram
+
+_EVIDENCE = 1e-5  # of the loads, or of the velocity: what proofs of no solution may miss
+_STALLS = (
+    "IPOPT is slow at the apex of cones, where the corners of footings on soil are: give more"
+    " iterations, or take 'clarabel'"
+)
+_MISSING = 1e-6  # share of the dead load that must be missing where it collapses the structure
+
+
+@dataclass(frozen=True)
+class IpoptStaticOptions:
+    """Options of the `ipopt-static` backend.
+
+    Attributes:
+        tolerance: IPOPT's; the gap that it leaves is about a tenth of it per bound and cone.
+        max_iterations: of one run of IPOPT.
+        time_limit: s, one inner solve.
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 500
+    time_limit: float = 3600.0
+
+    def __post_init__(self) -> None:
+        require_positive("ipopt-static.tolerance", self.tolerance)
+        require_count("ipopt-static.max_iterations", self.max_iterations)
+        require_positive("ipopt-static.time_limit", self.time_limit)
+
+
+class IpoptStatic:
+    """The exact program from its static side."""
+
+    name: ClassVar[str] = "ipopt-static"
+    title: ClassVar[str] = "IPOPT through CasADi, exact static program"
+    source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=False, on_demand=True, surfaces=True, packages=("casadi",)
+    )
+    statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
+    Options: ClassVar[type] = IpoptStaticOptions
+
+    def unavailable(self) -> str:
+        """Why IPOPT cannot run here; empty where it can."""
+        return unavailable()
+
+    def version(self) -> str:
+        """The solver and its version."""
+        return solver_version()
+
+    def prepare(
+        self, program: KinematicProgram, options: IpoptStaticOptions
+    ) -> "IpoptStaticSolver":
+        """Equilibrium and cones are built at the first solve: they depend on the dilatancies."""
+        return IpoptStaticSolver(program, options)
+
+
+class IpoptStaticSolver:
+    """IPOPT at work on one static program."""
+
+    def __init__(self, program: KinematicProgram, options: IpoptStaticOptions) -> None:
+        self._program, self._options = program, options
+        self._dilatancy: Floats = np.zeros(0)
+        self._static: StaticProgram | None = None
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve, from the same start each time; no solution is named where it can be proven."""
+        begin, options = time.perf_counter(), self._options
+        if self._static is None or not np.array_equal(self._dilatancy, contact.dilatancy):
+            self._static = StaticProgram(self._program, contact.dilatancy)
+            self._dilatancy = contact.dilatancy
+        static, limits = self._static, (options.tolerance, options.max_iterations)
+        deadline = begin + options.time_limit
+        found = static.run(contact, *limits, max(deadline - time.perf_counter(), 1e-9))
+        status, iterations = STATUS_MAP[found.native], found.iterations
+        point, message = static.state(found), ""
+        left = deadline - time.perf_counter()
+        if self._locked(contact, point):
+            status, message = Status.LOCKED, f"its bound of {LARGEST:g} held the load factor"
+        elif status not in (Status.SOLVED, Status.ALMOST_SOLVED) and left > 0:
+            unshifted = replace(contact, shift=np.zeros_like(contact.shift))
+            carried = static.run(unshifted, *limits, left, share=True)
+            iterations += carried.iterations
+            if self._collapses(contact, static.velocity(carried)):
+                status, message = Status.UNSAFE, "a mechanism of the dead load proves it"
+        if status is Status.ITERATION_LIMIT and self._program.pressure_dependent:
+            message = _STALLS
+        return InnerSolution(
+            status=status,
+            native_status=found.native,
+            iterations=iterations,
+            solve_time=time.perf_counter() - begin,
+            point=point if status.has_point else None,
+            message=message,
+        )
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _locked(self, contact: FrozenContact, point: ProgramState) -> bool:
+        """Whether what is not bounded carries the load alone: then it carries any (Farkas)."""
+        if not point.load_factor > LARGEST / 2:
+            return False
+        unbounded = (contact.dilatancy > 0) | np.isinf(contact.bound)
+        ray = replace(
+            point,
+            stress=tuple(0 * stress for stress in point.stress),
+            tangential_reaction=point.tangential_reaction * unbounded[:, None],
+        )
+        program = replace(self._program, dead_load=np.zeros(self._program.n))
+        loads = point.load_factor * float(np.abs(program.reference_load).sum())
+        return bool(np.abs(out_of_balance(program, ray)).max() <= _EVIDENCE * loads)
+
+    def _collapses(self, contact: FrozenContact, velocity: Floats) -> bool:
+        """Whether the dead load does more power on a mechanism than that dissipates.
+
+        The reference load does none on it, so that no load factor keeps the structure (T13). It is
+        the mechanism of a limit load, the share of the dead load that can be carried.
+        """
+        program, points = self._program, self._program.contact
+        slip = np.linalg.norm(points.slip(velocity), axis=1)
+        held = np.where(np.isinf(contact.bound), slip, 0.0)
+        inward = np.maximum(contact.dilatancy * slip - points.opening(velocity), held)
+        theta = [group.impossible(velocity) for group in program.groups]
+        broken = max(float(part.max(initial=0.0)) for part in (inward, *theta))
+        idle = abs(float(program.reference_load @ velocity))
+        size = float(np.abs(velocity).max())
+        loads = float(np.abs(program.reference_load).sum())
+        dissipated = program.plastic_dissipation(velocity)
+        dissipated += program.friction_dissipation(velocity, contact.bound)
+        power = float(program.dead_load @ velocity)
+        return (
+            power > 0
+            and dissipated < (1 - _MISSING) * power
+            and broken <= _EVIDENCE * size
+            and idle <= _EVIDENCE * size * loads
+        )

@@ -1,1 +1,0 @@
-"""Verification cases, one file each; `verification.catalogue.catalogue` finds them."""

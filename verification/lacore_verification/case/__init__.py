@@ -1,0 +1,58 @@
+"""What a verification case says: a problem, its reference, and how far a result may lie from it.
+
+Files of cases import all names from here.
+"""
+
+from lacore_verification.case.band import (
+    BRACKET,
+    EXACT,
+    SOLVER,
+    Band,
+    Bracketing,
+    Convergence,
+    Order,
+    exact_patch,
+    rigid,
+)
+from lacore_verification.case.case import (
+    BLOCKS,
+    CLAMPED,
+    CLOSE,
+    JAM,
+    KINDS,
+    RANGE,
+    Beside,
+    Case,
+    First,
+    Variant,
+    is_of_lacore,
+)
+from lacore_verification.case.following import Following
+from lacore_verification.case.reference import UNKNOWN, UNKNOWN_KINDS, Reference
+
+__all__ = [
+    "BLOCKS",
+    "BRACKET",
+    "CLAMPED",
+    "CLOSE",
+    "EXACT",
+    "JAM",
+    "KINDS",
+    "RANGE",
+    "SOLVER",
+    "UNKNOWN",
+    "UNKNOWN_KINDS",
+    "Band",
+    "Beside",
+    "Bracketing",
+    "Case",
+    "Convergence",
+    "First",
+    "Following",
+    "Order",
+    "Reference",
+    "Variant",
+    "exact_patch",
+    "is_of_lacore",
+    "rigid",
+]

@@ -1,0 +1,54 @@
+r"""A wall in running bond with an opening, 4 blocks wide, 11 courses high, is shaken.
+
+        +----+----+----+----+
+        |    |    |    |    |  11      46 blocks, 102 joints
+        +--+-+--+-+--+-+--+-+
+        |  |    |    |    | |  10      blocks 0.4 m x 0.175 m
+        +--+-+--+-+--+-+--+-+          mu = 0.65 in all joints
+        |    |    |    |    |   9
+        +--+-+--+-+--+-+--+-+
+        |  |    |    |    | |   8      courses 4 to 8 leave an
+        +--+-+--+    +--+-+-+          opening one block wide
+        |    |  |    |  |   |   :
+        +--+-+--+    +--+-+-+  -->
+        |  |    |    |    | |          alpha W
+        +--+-+--+-+--+-+--+-+
+        |    |    |    |    |   1
+        +----+----+----+----+
+        /////////////////////
+
+A standard problem of masonry. Each joint, bed and head, has friction and no tension. Blocks rock
+and slide in groups; the head joints make the reactions hyperstatic, so that Coulomb limit loads are
+not unique. The interval is what one mechanism carries with other reactions; other mechanisms may
+carry other loads, none of them above the associated one.
+"""
+
+import lacore as la
+from lacore_verification.case import Case, Reference, Variant
+from lacore_verification.cases.shared.walls import HAND, HYPERSTATIC, MU, WALL_3, band, listed, wall
+
+LOW, HIGH, ASSOCIATED = 0.355817, 0.379385, 0.403694
+
+
+def build(mu: float) -> "la.Problem":
+    """The wall."""
+    return wall(WALL_3, mu)
+
+
+def reference(mu: float) -> Reference:
+    """Tabulated."""
+    return {MU: listed(LOW, HIGH, ASSOCIATED)}[mu]
+
+
+CASE = Case(
+    id="wall-3",
+    title="Masonry wall, 46 blocks",
+    tags=("blocks", "contact", "Coulomb", "masonry", "interval", "associated differs"),
+    unit="W",
+    explanation=__doc__,
+    hand_calculation=HAND.format(low=LOW, high=HIGH, associated=ASSOCIATED),
+    build=build,
+    reference=reference,
+    band=band,
+    variants=(Variant("mu-0.65", {"mu": MU}, unfit=HYPERSTATIC),),
+)

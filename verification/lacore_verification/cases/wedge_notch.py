@@ -1,0 +1,139 @@
+r"""A smooth wedge cuts on into a notch, to several times its depth, on meshes along its slip lines.
+
+            |      /
+         o  |     /  wedge, half angle beta, moves down
+         o  |    /        _
+         o  |   /  fan _ -  \  lip
+    -----o..|../. _ -- .....\----------------------- first surface
+            |  |//| \      /  right half,
+      cut o |  /..|..\.- '    width 6, depth 4
+    u_x=0o  |   slip line
+         o--------------------------------------- u = 0
+
+The body begins with the notch and the lip that the wedge leaves at a quarter of the last depth. It
+gets a new mesh before each step: rays from the end of the contact, and rows along the line on which
+the velocity jumps. Below the tip the section of symmetry is cut over the travel of a step, and both
+sides of the cut are pressed together. The material separates at the tip, as it does in the exact
+solution, and the vertex at the tip moves along the face. The face of the wedge is a plane here,
+since the other half of the body has the other face. New meshes keep the area: the edge at the end
+of the contact is divided into a part of the face and a straight edge. Since the velocity jumps at
+the foot of the lip, each step leaves a wall there, to which the flow would be drawn in the next
+steps; a new mesh straightens the last part of the lip.
+"""
+
+from math import cos, nan, radians, sin
+
+import lacore as la
+from lacore_verification.case import Band, Case, Reference, Variant
+from lacore_verification.case.following import Following, Reading, last_load
+from lacore_verification.cases.shared.wedge_fans import Fan
+from lacore_verification.cases.shared.wedge_meshes import Hill, lip_error
+
+START, TRAVEL = 0.25, 0.75  # depth of the notch, and how much deeper the wedge moves
+_QUALITY = 0.99  # any distortion calls for a new mesh
+_TURN = 0.005  # error of the force: velocities turn over a row around the end of the contact
+_VOLUME = 0.064  # largest change of volume in a step, times steps^3: the scheme is of order 2
+
+
+def build(half_angle: float, cells: int, steps: int, scheme: str) -> la.Problem:
+    """The right half with the notch and its lip."""
+    mesh = _fan(half_angle, cells, steps).first(START)
+    return la.Problem(
+        bodies={"body": la.Body(mesh, la.VonMises(shear_strength=1.0), space="p2-gauss")},
+        supports=[
+            la.Fix("body", "left", "x"),
+            la.Fix("body", "right", "x"),
+            la.Fix("body", "bottom"),
+        ],
+        interfaces=[
+            la.Interface(("body", "cut"), la.RigidObstacle((0.0, 0.0), (1.0, 0.0)), friction=0.0)
+        ],
+        reference_loads=[la.PointForce("body", (0.0, -START), (0.0, -1.0))],
+    )
+
+
+def path(half_angle: float, cells: int, steps: int, scheme: str) -> Following:
+    """Until the wedge is four times as deep as the notch."""
+    beta = radians(half_angle)
+    face = la.shapes.plane((0.0, -START), (cos(beta), -sin(beta)))
+    return Following(
+        TRAVEL,
+        steps,
+        scheme,
+        la.ToolTravel({"wedge": (0.0, -1.0)}),
+        exact=lambda travel: _force(half_angle, travel),
+        load="force",
+        volume=_VOLUME / steps**3,
+        reading=Reading(
+            "largest distance of the lip from the exact one, of the depth,",
+            lambda path: lip_error(path, half_angle),
+            0.0,
+            # A step lifts the material by sin(beta) of its length, up to a vertex of the old lip.
+            2 * sin(beta) * TRAVEL / steps / (START + TRAVEL),
+        ),
+        tools={"wedge": la.Tool(face, ("body", "top"), (0, -1))},
+        remesh=la.Remeshing(quality=_QUALITY, mesher=_fan(half_angle, cells, steps)),
+    )
+
+
+def _fan(half_angle: float, cells: int, steps: int) -> Fan:
+    return Fan(half_angle, cells, TRAVEL / steps)
+
+
+def _force(half_angle: float, travel: float) -> float:
+    """Exact force on the half per k; judged over the second half of the travel."""
+    return nan if travel < TRAVEL / 2 else Hill(half_angle).force / 2 * (START + travel)
+
+
+def reference(half_angle: float, cells: int, steps: int, scheme: str) -> Reference:
+    """Exact."""
+    return Reference(
+        _force(half_angle, last_load(TRAVEL, steps, scheme)),
+        "p h sin(beta), p = 2k (1 + theta), h = c/(cos(beta) - sin(beta - theta))",
+        "Hill, Lee & Tupper, Proc. R. Soc. A 188 (1947) 273",
+        "exact",
+    )
+
+
+def band(elements: int, half_angle: float, cells: int, steps: int, scheme: str) -> Band:
+    """Of half a step of the depth at half of the travel."""
+    allowed = TRAVEL / steps / 2 / (START + TRAVEL / 2) + _TURN
+    return Band(
+        allowed,
+        allowed,
+        "Largest error over the second half of the path: in the middle of a step the material is"
+        " separated half a step below the tip; velocities turn over a row of triangles.",
+    )
+
+
+CASE = Case(
+    id="wedge-notch",
+    title="Wedge pressed into a notch, on meshes along its slip lines",
+    tags=("continuum", "contact", "path", "closed form", "singular point"),
+    unit="force on the half / (k m)",
+    explanation=__doc__,
+    hand_calculation=f"""\
+fan angle:  cos(2 beta - theta) = cos(theta)/(1 + sin(theta))
+pressure:   p = 2k (1 + theta)
+contact:    h = c/(cos(beta) - sin(beta - theta)), length of the lip
+force:      F = 2 p h sin(beta) on the whole wedge
+beta = 15:  F = {Hill(15).force:.6f} k c
+beta = 30:  F = {Hill(30).force:.6f} k c
+beta = 45:  F = {Hill(45).force:.6f} k c
+""",
+    meshes={"fine": {}},
+    build=build,
+    reference=reference,
+    band=band,
+    bracket=None,
+    path=path,
+    variants=tuple(
+        Variant(
+            f"smooth-{angle:g}",
+            {"half_angle": angle, "cells": 4, "steps": 40, "scheme": "leapfrog"},
+            unfit={"regularised": "penalised contact lets the tip sink into the first cells"},
+        )
+        for angle in (15.0, 30.0, 45.0)
+    ),
+    on_demand=True,
+)

@@ -1,0 +1,73 @@
+"""The limit problems of a copy of a path, solved as those of the path itself."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+import lacore as la
+from lacore.arrays import Floats
+from lacore.paths.configuration import Configuration
+from lacore.paths.flow import flow
+from lacore.paths.stage import Stage
+from lacore_verification.fuzz.checks.verdict import Wrong, beyond
+
+_SAME = 1e-9  # of the size of all bodies
+
+
+def same_load(name: str, path: la.Path, copy: la.Path) -> Iterator[Wrong]:
+    """The last load of a moved or reordered path is that of its problem before, on its bodies.
+
+    Nothing is claimed where the loop on friction certifies no load.
+    """
+    moment, state = copy.snapshots[-1].moment, copy.last
+    assert moment is not None
+    assert state is not None
+    begin, at = (moved_back(own, copy.stage, path.stage) for own in (moment.begin, moment.at))
+    here = replace(moment, begin=begin, at=at, pressed=None, slip=None)
+    found = flow(path.stage, here, path.settings).state
+    if found.status is la.Status.SOLVED:
+        load = np.array([state.load_factor])
+        away = np.abs(found.load_factor - load)
+        yield from beyond(f"{name}, load on the same bodies", "differs by", away, np.abs(load))
+
+
+def moved_back(own: Configuration, stage: Stage, known: Stage) -> Configuration:
+    """A configuration of one stage by the rigid motion that moves its start to that of another.
+
+    Elements of mirrored meshes may begin at another corner: strains are those of the same place.
+    """
+    starts = (stage.start.nodes, known.start.nodes)
+    both = [np.concatenate([nodes[name][:2] for name in own.nodes], axis=1) for nodes in starts]
+    means = [nodes.mean(axis=1, keepdims=True) for nodes in both]
+    one, other = (nodes - mean for nodes, mean in zip(both, means, strict=True))
+    left, _, right = np.linalg.svd(other @ one.T)
+    turn = left @ right  # of determinant -1 where the copy is mirrored
+
+    def back(places: Floats) -> Floats:
+        return np.asarray(turn @ (places - means[0]) + means[1])
+
+    size = float(np.abs(one).max())
+    assert np.allclose(back(both[0]), both[1], atol=_SAME * size)
+    angle = np.linalg.det(turn)  # of rigid blocks
+    nodes = {
+        name: np.concatenate([back(places[:2]), angle * places[2:]])
+        for name, places in own.nodes.items()
+    }
+    strain = dict(own.strain)
+    points, same = (_strain_points(each) for each in (stage, known))
+    for name, places in points.items():
+        away, place = cKDTree(back(places).T).query(same[name].T)
+        assert np.max(away) <= _SAME * size
+        strain[name] = own.strain[name].ravel()[place].reshape(own.strain[name].shape)
+    return Configuration(nodes, strain)
+
+
+def _strain_points(stage: Stage) -> dict[str, Floats]:
+    """Where the strain points of deformable bodies begin, (2, points) by body."""
+    dofs = stage.dofs_at(stage.start)
+    return {
+        name: np.asarray(own.basis.global_coordinates()).reshape(2, -1)
+        for name, own in dofs.items()
+    }

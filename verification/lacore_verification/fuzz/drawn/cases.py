@@ -1,0 +1,120 @@
+"""Classes of random problems as cases, so that what runs, keeps and resumes sweeps does it here.
+
+A variant is one problem: by seed and number, or by its recipe where it was cut down.
+"""
+
+import zlib
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import nan
+
+import numpy as np
+
+import lacore as la
+from lacore.errors import require_known
+from lacore_verification.case import Band, Case, Reference, Variant
+from lacore_verification.fuzz.drawn import draw_blocks, draw_continua, draw_frames, draw_paths
+from lacore_verification.fuzz.drawn.draw import Rng
+from lacore_verification.fuzz.drawn.recipe import Recipe, build
+from lacore_verification.runs.run import FUZZ, Run
+
+CLASSES: Mapping[str, Callable[[Rng], Recipe]] = {
+    "blocks": draw_blocks.blocks,
+    "weights": draw_blocks.weights,
+    "plane-strain": draw_continua.plane_strain,
+    "plane-stress": draw_continua.plane_stress,
+    "axisymmetric": draw_continua.axisymmetric,
+    "two-bodies": draw_continua.two_bodies,
+    "mixtures": draw_continua.mixtures,
+    "frames": draw_frames.frames,
+    "paths": draw_continua.paths,
+    "pairs-on-paths": draw_paths.pairs,
+    "tools-on-paths": draw_paths.tools,
+}
+
+BACKEND = "clarabel"
+
+
+def recipe_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> Recipe:
+    """The recipe of a variant."""
+    return draw(kind, seed, number) if recipe is None else recipe
+
+
+def problem_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> "la.Problem":
+    """The problem of a variant."""
+    return build(recipe_of(kind, seed, number, recipe))
+
+
+def random_numbers(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> Rng:
+    """Those that judging draws; of a smaller problem the same as of the one it was cut from."""
+    return random_of(kind, seed, number, "examine")
+
+
+def case_of(kind: str) -> Case:
+    """The case of a class."""
+    return Case(
+        id=f"fuzz-{kind}",
+        title=f"random problems: {kind}",
+        tags=("fuzz",),
+        unit="-",
+        explanation="Random problems, judged by checks that share no code with the solver.",
+        hand_calculation="",
+        build=partial(problem_of, kind),
+        reference=_unknown,
+        band=_band,
+        variants=(),
+        bracket=None,
+        on_demand=True,
+    )
+
+
+def _unknown(**given: object) -> Reference:
+    return Reference(nan, "random: unknown", "", "none", complete=False)
+
+
+def _band(elements: int, **given: object) -> Band:
+    return Band(0.0, 0.0, "random: none")
+
+
+def runs_of(kinds: list[str], count: int, seed: int) -> list[Run]:
+    """`count` problems, in equal shares of all classes."""
+    cases = {kind: case_of(kind) for kind in kinds}
+    shares = [count // len(kinds) + (n < count % len(kinds)) for n in range(len(kinds))]
+    return [
+        run_of(cases[kind], {"seed": seed, "number": number})
+        for kind, share in zip(kinds, shares, strict=True)
+        for number in range(share)
+    ]
+
+
+def run_of(case: Case, parameters: dict[str, object]) -> Run:
+    """One problem."""
+    name = f"{parameters['seed']}-{parameters['number']}"
+    if "recipe" in parameters:
+        name += "-cut"
+    return Run(case, Variant(name, parameters), "blocks", BACKEND, FUZZ)  # type: ignore[arg-type]
+
+
+def kind_of(run: Run) -> str:
+    """The class of a run."""
+    return run.case.id.removeprefix("fuzz-")
+
+
+def known_kinds() -> list[str]:
+    """All classes."""
+    return list(CLASSES)
+
+
+def random_of(kind: str, seed: int, number: int, use: str = "") -> Rng:
+    """Random numbers of one problem of a class; `use`: for what, each has its own."""
+    return np.random.default_rng([seed, number, zlib.crc32(f"{kind}/{use}".encode())])
+
+
+def draw(kind: str, seed: int, number: int) -> Recipe:
+    """The recipe of problem `number` of a class.
+
+    Raises:
+        InputError: an unknown class.
+    """
+    require_known("class", kind, CLASSES)
+    return CLASSES[kind](random_of(kind, seed, number))

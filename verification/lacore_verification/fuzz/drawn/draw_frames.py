@@ -1,0 +1,112 @@
+"""Random frames: bays and storeys of unequal members on feet of any kind."""
+
+from typing import Any
+
+from lacore_verification.fuzz.drawn.draw import Rng, chosen, number, vector
+from lacore_verification.fuzz.drawn.recipe import Recipe
+
+
+def frames(rng: Rng) -> Recipe:
+    """A portal of one or two bays and storeys under forces at nodes and along members."""
+    bays, storeys = int(rng.integers(1, 3)), int(rng.integers(1, 3))
+    x, y = [0.0], [0.0]
+    for _ in range(bays):
+        x.append(round(x[-1] + number(rng, 1.0, 4.0), 6))
+    for _ in range(storeys):
+        y.append(round(y[-1] + number(rng, 1.0, 3.0), 6))
+    skew = number(rng, -0.5, 0.5) if rng.random() < 0.4 else 0.0
+    nodes = {
+        f"n{i}{j}": [round(px + (skew * py if i == 0 else 0.0), 6), py]
+        for i, px in enumerate(x)
+        for j, py in enumerate(y)
+    }
+    members = {
+        f"c{i}{j}": [f"n{i}{j}", f"n{i}{j + 1}"] for i in range(bays + 1) for j in range(storeys)
+    } | {
+        f"b{i}{j}": [f"n{i}{j}", f"n{i + 1}{j}"] for i in range(bays) for j in range(1, storeys + 1)
+    }
+    if rng.random() < 0.2:
+        members["brace"] = ["n00", f"n1{storeys}"]
+    frame = {
+        "kind": "frame",
+        "nodes": nodes,
+        "members": members,
+        "plastic_moment": {name: number(rng, 0.5, 3.0) for name in members},
+    }
+    feet = [f"n{i}0" for i in range(bays + 1)]
+    upper = [name for name in nodes if name not in feet]
+    supports, interfaces, dead = _held(rng, feet, upper)
+    reference = [_force(rng, nodes, members, upper) for _ in range(int(rng.integers(1, 3)))]
+    if rng.random() < 0.3:
+        dead.append(_pressed_beam(rng, members))
+    return {
+        "bodies": {"frame": frame},
+        "reference": reference,
+        "dead": dead,
+        "supports": supports,
+        "interfaces": interfaces,
+    }
+
+
+def _pressed_beam(rng: Rng, members: dict[str, list[str]]) -> dict[str, Any]:
+    """A downward traction along a beam."""
+    beams = [name for name in members if name[0] == "b" and name != "brace"]
+    where = chosen(rng, beams)
+    pressure = [0.0, -number(rng, 0.05, 0.3)]
+    return {"load": "Traction", "body": "frame", "where": where, "vector": pressure}
+
+
+def _held(
+    rng: Rng, feet: list[str], upper: list[str]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[dict[str, Any]]]:
+    """Supports or frictional contact of the feet, and dead loads that press them down."""
+    supports: list[dict[str, Any]] = []
+    interfaces: list[dict[str, Any]] = []
+    dead: list[dict[str, Any]] = []
+    if rng.random() < 0.6:
+        supports = [
+            {
+                "body": "frame",
+                "where": foot,
+                "components": chosen(rng, ("clamped", "xy", "xy", "y")),
+            }
+            for foot in feet
+        ]
+        supports[0]["components"] = chosen(rng, ("clamped", "xy"))
+    else:
+        mu: Any = number(rng, 0.1, 1.0)
+        if rng.random() < 0.3:
+            mu = chosen(rng, ({"associated": number(rng, 0.1, 0.8)}, {"tresca": 0.3}, "stick"))
+        supports, interfaces = [], [_feet(feet, mu)]
+        dead = [
+            {
+                "load": "PointForce",
+                "body": "frame",
+                "at": name,
+                "vector": [0.0, -number(rng, 0.5, 3)],
+            }
+            for name in upper
+        ]
+    return supports, interfaces, dead
+
+
+def _force(
+    rng: Rng, nodes: dict[str, list[float]], members: dict[str, list[str]], upper: list[str]
+) -> dict[str, Any]:
+    """A force at a node, or downwards somewhere on a beam."""
+    if rng.random() < 0.6:
+        at: Any = chosen(rng, upper)
+        return {"load": "PointForce", "body": "frame", "at": at, "vector": vector(rng)}
+    ends = members[chosen(rng, [m for m in members if m[0] == "b"])]
+    share = number(rng, 0.3, 0.7)
+    one, other = (nodes[end] for end in ends)
+    at = [round(a + share * (b - a), 9) for a, b in zip(one, other, strict=True)]
+    return {"load": "PointForce", "body": "frame", "at": at, "vector": [0.0, -1.0]}
+
+
+def _feet(feet: list[str], friction: Any) -> dict[str, Any]:
+    return {
+        "slave": ["frame", feet],
+        "master": {"point": [0.0, 0.0], "normal": [0.0, 1.0]},
+        "friction": friction,
+    }

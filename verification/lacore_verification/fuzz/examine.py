@@ -1,0 +1,288 @@
+"""One random problem, judged: its answer, other problems that it must agree with, its programs."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf, isfinite, isnan, nan
+from typing import Any
+
+import lacore as la
+from lacore_verification.fuzz.checks.block_program import Known, known_of
+from lacore_verification.fuzz.checks.existence import carries
+from lacore_verification.fuzz.checks.rigid_motions import refuted_words
+from lacore_verification.fuzz.checks.verdict import BAR, Wrong
+from lacore_verification.fuzz.drawn.copies import COPIES, has_coulomb, strengthened, with_law
+from lacore_verification.fuzz.drawn.draw import Rng
+from lacore_verification.fuzz.drawn.paths import examine_path
+from lacore_verification.fuzz.drawn.recipe import Recipe
+from lacore_verification.fuzz.solving import FREE, RecipeResult, SolveSettings, answer, told
+
+_LINEAR = ("blocks", "frame")
+_LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"
+"""Second opinions, by name: a problem that is drawn again elsewhere is judged alike there."""
+_EXTRAS = 2
+"""Comparisons that are drawn for each problem, besides those that all have."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is known of a problem and of its answer.
+
+    Attributes:
+        status, load_factor, rigor, message: of the answer.
+        has_load: whether there is a load factor; None where nobody knows.
+        lower, upper: bounds that were found without the answer; NaN without.
+        wrong: None where nothing is.
+    """
+
+    status: str
+    load_factor: float
+    rigor: str
+    message: str
+    has_load: bool | None
+    lower: float = nan
+    upper: float = nan
+    wrong: Wrong | None = None
+
+
+def examine(recipe: Recipe, rng: Rng) -> Judgement:
+    """Solve a recipe and judge it; `rng` draws what it is compared with."""
+    if "path" in recipe:
+        made = examine_path(recipe, rng)
+        return Judgement(made.status, made.load_factor, "", made.message, True, wrong=made.wrong)
+    base = answer(recipe, rng)
+    if base.status == "refused":
+        return Judgement(base.status, nan, "", base.text, None)
+    known = known_of(recipe)
+    found = Examination(recipe, base, known, rng)
+    wrong = next(found.wrong(), None)
+    return Judgement(
+        base.status,
+        base.load_factor,
+        base.state.rigor.label if base.state else "",
+        base.text,
+        found.has_load,
+        *found.bounds,
+        wrong=wrong,
+    )
+
+
+class Examination:
+    """What is found out about a recipe, one comparison after the other."""
+
+    def __init__(self, recipe: Recipe, base: RecipeResult, known: Known, rng: Rng) -> None:
+        self._recipe, self._base, self._known, self._rng = recipe, base, known, rng
+        self._coulomb = has_coulomb(recipe)
+        self._scale = base.scale.power
+        self._low, self._high = known.lowest, known.highest
+        self._solvable = base.solved and base.wrong is None
+
+    @property
+    def has_load(self) -> bool | None:
+        """By the programs of blocks, or because a state of it, or of it made associated, is one."""
+        if self._known.has_load is not None:
+            return self._known.has_load
+        if self._solvable:
+            return True
+        return False if self._base.word else carries(self._recipe, self._rng)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Of every Coulomb load factor."""
+        return self._low, self._high
+
+    def wrong(self) -> Iterator[Wrong]:
+        """What is wrong, the simplest first."""
+        if self._base.wrong is not None:
+            yield self._base.wrong
+        yield from self._against_programs()
+        if self._base.word and self._base.problem is not None and self._base.state is not None:
+            yield from refuted_words(self._recipe, self._base.problem, self._base.state.status)
+        yield from self._against_associated()
+        further = [
+            *(self._copy, self._frictionless, self._other_backend, self._bounds),
+            *(self._monotony, self._interval),
+        ]
+        for place in self._rng.permutation(len(further))[:_EXTRAS]:
+            yield from further[int(place)]()
+
+    def _against_programs(self) -> Iterator[Wrong]:
+        """Numbers and words beside the independent linear programs."""
+        known, base = self._known, self._base
+        if isnan(known.highest):
+            return
+        if base.solved:
+            yield from self._between(
+                base.load_factor, known.lowest, known.highest, "linear program"
+            )
+        if base.status == la.Status.LOCKED.label and known.locked is False:
+            yield Wrong("word locked", f"a linear program finds at most {known.highest:.6g}")
+        if base.status == la.Status.UNSAFE.label and known.highest > -inf:
+            yield Wrong("word unsafe", f"a linear program finds {known.highest:.6g}")
+        if base.status == FREE.label and known.lowest > BAR * abs(known.highest):
+            yield Wrong("word free", f"without friction it carries {known.lowest:.6g}")
+
+    def _between(self, value: float, low: float, high: float, who: str) -> Iterator[Wrong]:
+        room = BAR * (self._scale + abs(value))
+        if value > high + room:
+            yield Wrong(f"above: {who}", f"{value:.9g} is above {high:.9g}")
+        if value < low - room:
+            yield Wrong(f"below: {who}", f"{value:.9g} is below {low:.9g}")
+
+    def _against_associated(self) -> Iterator[Wrong]:
+        """With friction made associated no load factor is smaller."""
+        if not self._coulomb:
+            return
+        other = answer(with_law(self._recipe, "associated"), self._rng)
+        if other.wrong is not None:
+            yield replace(other.wrong, check=f"associated, {other.wrong.check}")
+            return
+        if other.solved:
+            self._solvable = True
+            self._scale = max(self._scale, other.scale.power)
+            if isnan(self._high):
+                self._high = other.load_factor
+            if self._base.solved:
+                yield from self._between(
+                    self._base.load_factor, -inf, other.load_factor, "associated"
+                )
+            if self._base.status == la.Status.LOCKED.label:
+                yield Wrong("word locked", f"associated it carries {other.load_factor:.6g} at most")
+            if self._base.status == la.Status.UNSAFE.label:
+                yield Wrong("word unsafe", f"associated it carries {other.load_factor:.6g}")
+        if other.status == la.Status.UNSAFE.label and self._base.solved:
+            yield Wrong(
+                "word unsafe",
+                f"said of it made associated; it carries {self._base.load_factor:.6g}",
+            )
+
+    def _frictionless(self) -> Iterator[Wrong]:
+        """Without friction no load factor is larger; with more of it none is smaller.
+
+        Of blocks with stick. A body where stick meets a footing slips at its strength, and there
+        only (`lacore.assembly.sticking`): its discrete value may be below that of friction, not its
+        bounds.
+        """
+        if not self._coulomb:
+            return
+        rigid = all(body["kind"] == "blocks" for body in self._recipe["bodies"].values())
+        rough = "stick" if rigid else "rougher"
+        kind = "smooth" if self._rng.random() < 0.7 else rough
+        other = answer(with_law(self._recipe, kind), self._rng)
+        if other.wrong is not None:
+            yield replace(other.wrong, check=f"{kind}, {other.wrong.check}")
+        elif other.solved and self._base.solved:
+            low, high = (other.load_factor, inf) if kind == "smooth" else (-inf, other.load_factor)
+            self._scale = max(self._scale, other.scale.power)
+            yield from self._between(self._base.load_factor, low, high, kind)
+        elif kind == "smooth" and self._base.solved and other.status == la.Status.LOCKED.label:
+            yield Wrong(
+                "word locked",
+                f"said of it without friction; it carries {self._base.load_factor:.6g}",
+            )
+
+    def _copy(self) -> Iterator[Wrong]:
+        """Moved, rescaled, renamed, it carries the same."""
+        name = list(COPIES)[int(self._rng.integers(len(COPIES)))]
+        other = answer(COPIES[name](self._recipe, self._rng), self._rng)
+        if other.status == "refused":
+            yield Wrong(f"{name}, refused", other.text)
+        yield from self._same(other, name)
+
+    def _other_backend(self) -> Iterator[Wrong]:
+        """Another solver finds the same, or another Coulomb state."""
+        kinds = [body["kind"] for body in self._recipe["bodies"].values()]
+        if all(kind in _LINEAR for kind in kinds):
+            other = answer(self._recipe, self._rng, SolveSettings(_LINEAR_SOLVER))
+            if other.status != "refused":
+                yield from self._same(other, _LINEAR_SOLVER)
+            return
+        # Of continua the associated value, which is one number, and the stresses of its state.
+        wanted = self._high if self._coulomb else self._base.load_factor
+        other = answer(
+            with_law(self._recipe, "associated"), self._rng, SolveSettings(_CONIC_SOLVER)
+        )
+        if other.wrong is not None:
+            yield replace(other.wrong, check=f"{_CONIC_SOLVER}, {other.wrong.check}")
+        elif isfinite(wanted) and other.solved:
+            self._scale = max(self._scale, other.scale.power)
+            yield from self._between(other.load_factor, wanted, wanted, _CONIC_SOLVER)
+        elif isfinite(wanted) and other.word and abs(wanted) > BAR * self._scale:
+            yield Wrong(f"word {other.status}", f"said by {_CONIC_SOLVER}: {wanted:.6g}")
+
+    def _interval(self) -> Iterator[Wrong]:
+        """The load factor lies in the interval of its own mechanism."""
+        state = self._base.state
+        if not self._base.solved or state is None:
+            return
+        try:
+            found = state.interval()
+        except Exception as error:  # a certified state has one
+            yield Wrong("exception", told(error))
+            return
+        if not found.low <= self._base.load_factor <= found.high:
+            text = f"{self._base.load_factor:.12g} is not in [{found.low:.12g}, {found.high:.12g}]"
+            yield Wrong("interval", text)
+
+    def _same(self, other: RecipeResult, name: str) -> Iterator[Wrong]:
+        """Whether an answer to the same question is the same."""
+        base = self._base
+        if other.wrong is not None:
+            yield replace(other.wrong, check=f"{name}, {other.wrong.check}")
+            return
+        if other.solved:
+            self._solvable = True
+        if base.solved and other.solved:
+            value = other.load_factor
+            self._scale = max(self._scale, other.scale.power)
+            if not self._coulomb:
+                yield from self._between(value, base.load_factor, base.load_factor, name)
+            else:
+                yield from self._between(value, self._low_or(-inf), self._high_or(inf), name)
+            return
+        if base.word and other.word and base.status != other.status:
+            yield Wrong("two words", f"{base.status}; {name}: {other.status}")
+        for one, two, who in ((base, other, name), (other, base, f"it is said by {name}")):
+            if one.word and two.solved and not self._is_nothing(one, two):
+                yield Wrong(f"word {one.status}", f"{who}: {two.load_factor:.6g}")
+
+    def _is_nothing(self, word: RecipeResult, solved: RecipeResult) -> bool:
+        """FREE is a load factor of zero."""
+        return word.status == FREE.label and abs(solved.load_factor) <= BAR * self._scale
+
+    def _low_or(self, other: float) -> float:
+        return other if isnan(self._low) else self._low
+
+    def _high_or(self, other: float) -> float:
+        return other if isnan(self._high) else self._high
+
+    def _bounds(self) -> Iterator[Wrong]:
+        """Equilibrium elements carry no more than what velocities allow."""
+        problem, state = self._base.problem, self._base.state
+        if self._coulomb or problem is None or state is None:
+            return
+        if not any(isinstance(body, la.Body) for body in problem.bodies.values()):
+            return
+        try:
+            lower = la.lower_bound(problem)
+        except (la.InputError, la.CapabilityError):
+            return
+        if lower.rigor is not la.Rigor.LOWER or not isfinite(lower.load_factor):
+            return
+        if self._base.status == la.Status.UNSAFE.label:
+            yield Wrong("word unsafe", f"equilibrium elements carry {lower.load_factor:.6g}")
+        if self._base.solved and state.rigor is la.Rigor.UPPER:
+            yield from self._between(self._base.load_factor, lower.load_factor, inf, "lower bound")
+
+    def _monotony(self) -> Iterator[Wrong]:
+        """Stronger bodies carry no less."""
+        bodies: Any = self._recipe["bodies"].values()
+        if self._coulomb or not self._base.solved or all(b["kind"] == "blocks" for b in bodies):
+            return
+        other = answer(strengthened(self._recipe), self._rng)
+        if other.wrong is not None:
+            yield replace(other.wrong, check=f"stronger, {other.wrong.check}")
+        elif other.solved:
+            self._scale = max(self._scale, other.scale.power)
+            yield from self._between(self._base.load_factor, -inf, other.load_factor, "stronger")
+        elif other.status == la.Status.UNSAFE.label:
+            yield Wrong("word unsafe", "said of it with all strengths half as much again")

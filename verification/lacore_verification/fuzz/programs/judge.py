@@ -1,0 +1,202 @@
+"""What the answer of a backend to a random program is worth."""
+
+import time
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from lacore.backend import (
+    Backend,
+    InnerSolution,
+    check_capable,
+    checked_answer,
+    find_backend,
+    read_options,
+)
+from lacore.claims.judged import judged_claim
+from lacore.errors import CapabilityError, LacoreError
+from lacore.inner.left_over import left_over
+from lacore.inner.preparing import preparing
+from lacore.inner.rescaling import good_for
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.solvers.child_process import ENDED
+from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
+from lacore.solvers.isolated_solver import LEFT_RUNNING
+from lacore.solvers.isolation import IsolatedBackend
+from lacore.solvers.registry import JUDGE
+from lacore.status import Status
+from lacore_verification.fuzz.programs.drawn import Drawn
+
+RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"
+BAR = 1e-6  # of the residuals of a certificate, and of load factors
+REFUTED = 1e-3  # "almost solved" with a residual above it is a wrong claim
+_NUMBERS = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is enough
+_WORDS = (Status.LOCKED, Status.UNSAFE)
+
+
+@dataclass(frozen=True)
+class ProgramRun:
+    """What a backend said of a program.
+
+    Attributes:
+        backend: its name.
+        answer: None where it does not take such programs.
+        residual: the worst, recomputed; NaN without a point.
+        seconds: of processor time, set-up included.
+        fault: An error that the backend raised, an answer that breaks the protocol, a crash, or
+            what it left running; empty if there is none.
+    """
+
+    backend: str
+    answer: InnerSolution | None
+    residual: float
+    seconds: float
+    fault: str = ""
+
+    @property
+    def solved(self) -> bool:
+        """Whether it claims a number."""
+        return self.answer is not None and self.answer.status is Status.SOLVED
+
+    @property
+    def holds(self) -> bool:
+        """Whether it has a number that residuals prove."""
+        claims = self.answer is not None and self.answer.status in _NUMBERS
+        return claims and self.residual <= BAR
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it claims a number, if only to reduced tolerances, that residuals refute."""
+        claims = self.answer is not None and self.answer.status in _NUMBERS
+        return self.solved or (claims and not self.residual <= REFUTED)
+
+    @property
+    def word(self) -> Status | None:
+        """LOCKED or UNSAFE, where it claims either."""
+        status = None if self.answer is None else self.answer.status
+        return status if status in _WORDS else None
+
+    @property
+    def load_factor(self) -> float:
+        """That which it claims."""
+        point = self.answer.point if self.solved and self.answer is not None else None
+        return nan if point is None else point.load_factor
+
+
+def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
+    """One solve of a program, in good units, as `lacore.solve` asks for it."""
+    try:
+        check_capable(backend, drawn.program)
+    except CapabilityError:
+        return ProgramRun(backend.name, None, nan, 0.0)
+    begin = _spent(backend)
+    own = read_options(backend, options)
+    watched = _Watched(backend)
+    take_note(backend)
+    try:
+        with closing(preparing(watched, own, good_for(BAR))(drawn.program)) as solver:
+            answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
+    except Exception as error:  # of the backend: the other programs go on
+        text = str(error) if isinstance(error, LacoreError) else f"{type(error).__name__}: {error}"
+        watched.faults.append(text)
+        answer = failed_answer(text, 0.0)
+    seconds = _spent(backend) - begin
+    if answer.point is None:  # a process that is lost took its count with it
+        seconds = float(np.fmax(seconds, answer.solve_time))
+    residual = nan if answer.point is None else recomputed(drawn, answer)
+    note = take_note(backend)
+    faults = [*watched.faults, *([note] if LEFT_RUNNING in note else [])]
+    return ProgramRun(backend.name, answer, residual, seconds, next(iter(faults), ""))
+
+
+def take_note(backend: Backend) -> str:
+    """Return why the process of a backend was replaced, and forget it; empty if it was not."""
+    return backend.process.take_note() if isinstance(backend, IsolatedBackend) else ""
+
+
+class _Watched:
+    """A backend whose answers are looked at before anything repairs or replaces them."""
+
+    def __init__(self, backend: Backend) -> None:
+        self._backend = backend
+        self.faults: list[str] = []
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._backend, name)
+
+    def prepare(self, program: KinematicProgram, options: Any) -> PreparedSolver:
+        """Prepare a program."""
+        return _WatchedSolver(self._backend.prepare(program, options), program, self.faults)
+
+
+class _WatchedSolver:
+    """A prepared solver that notes what is wrong with its answers."""
+
+    def __init__(
+        self, solver: PreparedSolver, program: KinematicProgram, faults: list[str]
+    ) -> None:
+        self._solver, self._program, self._faults = solver, program, faults
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve, as the backend does."""
+        answer = self._solver.solve(contact)
+        fault = fault_of(self._program, False, answer)
+        if not fault and answer.native_status == ENDED:
+            fault = answer.message
+        if fault:
+            self._faults.append(fault)
+        return answer
+
+    def close(self) -> None:
+        """Close the solver."""
+        self._solver.close()
+
+
+def _spent(backend: Backend) -> float:
+    """Processor time of this process, and of that in which a backend works."""
+    elsewhere = backend.process.processor_time if isinstance(backend, IsolatedBackend) else 0.0
+    return time.process_time() + elsewhere
+
+
+def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
+    """The worst residual; powers per what is turned over, or per a little of what could be."""
+    assert answer.point is not None
+    return left_over(drawn.program, answer.point, drawn.contact)[1]
+
+
+def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> str:
+    """What an answer is worth, beside those of others.
+
+    A fault is wrong, whatever else was answered. A number is right by its residuals. A word is
+    right where another backend has found the same,
+    wrong where one has a number that its residuals prove, else right only by a proof.
+    """
+    if asked.answer is None:
+        return REFUSED
+    if asked.fault:
+        return WRONG
+    if asked.holds:
+        return RIGHT
+    if asked.refuted:
+        return WRONG
+    word = asked.word
+    if word is None:
+        return NOTHING
+    if any(other.holds for other in others):
+        return WRONG
+    if any(other.word is word for other in others):
+        return RIGHT
+    return RIGHT if proven(word, drawn) else NOTHING
+
+
+def proven(word: Status, drawn: Drawn) -> bool:
+    """Whether a mechanism of the dead loads, or reactions to the load, prove a word."""
+    judge = find_backend(JUDGE)
+    prepare = preparing(judge, read_options(judge, {}))
+    laws = drawn.contact, drawn.contact
+    status, _, _ = judged_claim(word, drawn.program, *laws, prepare, BAR)
+    return status is word

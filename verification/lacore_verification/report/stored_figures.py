@@ -1,0 +1,94 @@
+"""Figures of stored results, made in the process that draws them."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from skfem import MeshTet, MeshTri
+
+import lacore as la
+from lacore import views
+from lacore.adaptive.bracket import BODY, POLYGON, heading
+from lacore.pictures.bracket import plot_shares
+from lacore.pictures.thumbnails import thumbnail_of_shape, thumbnail_of_shares
+from lacore.status import Rigor
+from lacore_verification.case import Case, Variant
+from lacore_verification.evidence.bracket import Shares, unpacked_shares
+from lacore_verification.evidence.limit_state import restored
+from lacore_verification.evidence.path import last_shape
+from lacore_verification.report.charts.theme import freeze
+from lacore_verification.report.drawing import Figures
+from lacore_verification.runs.outcome import Outcome
+from lacore_verification.runs.row import Row
+
+
+def sketch(case: Case, variant: Variant, path: Outcome | None) -> Figures:
+    """Draw the problem of a variant; its thumbnail is the end of the path, if there is one."""
+    problem = sketched(case, variant)
+    if path is None:
+        small = views.thumbnail(problem)
+    else:
+        stage, shape = last_shape(path.run, path.evidence)
+        small = thumbnail_of_shape(stage, stage, shape)
+    figure = sketch_of(case, problem)
+    freeze(figure, again=case.sketch is not None)
+    return Figures(figure, small)
+
+
+def mechanism(outcome: Outcome) -> Figures:
+    """Draw a stored state."""
+    state = restored(outcome.run, outcome.row, outcome.evidence)
+    figure = state.plot()
+    freeze(figure, again=False)  # laying it out once more would take as long as all else
+    return Figures(figure, views.thumbnail(state))
+
+
+def bracket(outcome: Outcome) -> Figures:
+    """Draw both meshes of a stored bracket."""
+    above, below = stored_shares(outcome)
+    return Figures(
+        _drawn(outcome.row, above, below),
+        thumbnail_of_shares(_mesh_of(above), above.shares),
+    )
+
+
+def stored_shares(outcome: Outcome) -> tuple[Shares, Shares]:
+    """Restore the meshes of the upper and of the lower bound, with the shares of their elements.
+
+    Raises:
+        ValueError: The evidence is not that of a bracket.
+    """
+    found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
+    if not {"upper", "lower"} <= set(found):
+        raise ValueError("one of the meshes is missing")
+    return found["upper"], found["lower"]
+
+
+def _drawn(row: Row, above: Shares, below: Shares) -> Figure:
+    """Draw both meshes of a stored bracket."""
+    bounded = POLYGON if row.rigor == Rigor.DISCRETE.label else BODY
+    return plot_shares(
+        heading(row.lower, row.upper, row.width, row.message, bounded),
+        _mesh_of(above),
+        above.shares,
+        _mesh_of(below),
+        below.marks,
+    )
+
+
+def _mesh_of(shares: Shares) -> MeshTri | MeshTet:
+    """Make the mesh of stored shares."""
+    made = {2: MeshTri, 3: MeshTet}[len(shares.points)]
+    return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
+
+
+def sketched(case: Case, variant: Variant) -> la.Problem:
+    """Build the problem of a variant on its second mesh level, where curves look like curves."""
+    level = (*case.meshes, *case.meshes)[1]
+    return case.problem(variant, level)
+
+
+def sketch_of(case: Case, problem: la.Problem) -> Figure:
+    """Sketch a problem of a case."""
+    figure = problem.plot()
+    if case.sketch is not None:
+        case.sketch(figure.axes[0], problem)
+    return figure

@@ -1,0 +1,154 @@
+"""The page of stored results of several versions."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from lacore_verification.analysis.history import SHIFT, History
+from lacore_verification.report.blocks import (
+    Block,
+    Document,
+    Drawing,
+    Filters,
+    Gallery,
+    Report,
+    Section,
+    Table,
+    Text,
+)
+from lacore_verification.report.charts.axes import Axis
+from lacore_verification.report.charts.versions import by_version
+from lacore_verification.report.columns import Column
+from lacore_verification.report.files import INDEX
+from lacore_verification.report.tables import VERDICTS
+from lacore_verification.store.versions import Version
+
+TITLE = "Results of several versions"
+_MEAN_TIME = Axis("mean_time", "geometric mean of solve times [s]", log=False)
+_CORRECT = Axis("correctness_rate", "correct runs", log=False)
+_COMMON = (
+    "For each backend, rates, times and errors refer to the runs that all versions with this"
+    " backend have in common. Only what a backend answered itself counts as certified or correct."
+    " A run that only other versions solved counts with the longest time of all."
+)
+_NO_CHANGE = "No verdict changed, and no load factor changed by more than the tolerance."
+
+
+def history_report(versions: Sequence[Version], found: History) -> Report:
+    """Return the report of several versions, which is a single page."""
+    names = list(found.versions)
+    lead = (
+        f"{len(names)} versions, {found.backends['backend'].nunique()} backends,"
+        f" {len(found.changes)} changed runs, {found.worse} of which passed and now fail."
+    )
+    sections = [
+        Section("versions", "Versions", [versions_table(versions, found)]),
+        Section("backends", "Backends by version", _backends(found, names), _COMMON),
+        Section("changes", "Changed runs", [_changes(found)]),
+        *_packages(versions),
+    ]
+    return Report({INDEX: Document(TITLE, lead, sections)})
+
+
+def versions_table(versions: Sequence[Version], found: History) -> Table:
+    """Return a table of where the results are from."""
+    rows = [
+        {
+            "name": own.name,
+            "lacore": own.lacore or "unknown",
+            "date": own.date or "unknown",
+            "runs": len(own.results),
+            "only": found.only[own.name],
+            "machine": own.provenance.get("machine", "unknown"),
+            "code": own.provenance.get("code", "unknown"),
+        }
+        for own in versions
+    ]
+    columns = (
+        Column("name", "results"),
+        Column("lacore"),
+        Column("date"),
+        Column("runs", form=".0f"),
+        Column("only", "not in all versions", ".0f"),
+        Column("machine", long=True),
+        Column("code", long=True),
+    )
+    return Table(columns, pd.DataFrame(rows), "Where the results are from")
+
+
+def _backends(found: History, names: Sequence[str]) -> list[Block]:
+    solvers = sorted(map(str, dict.fromkeys(found.backends["backend"])))
+    columns = (
+        Column("backend"),
+        Column("version", "results"),
+        Column("all_runs", "all runs", ".0f"),
+        Column("runs", "common runs", ".0f"),
+        Column("success_rate", "claimed %", ".1f", scale=100),
+        Column("certified_rate", "certified %", ".1f", scale=100),
+        Column("correctness_rate", "correct %", ".1f", scale=100),
+        Column("wrong_claims", "wrong claims", ".0f"),
+        Column("mean_time", "mean time, s", ".3g"),
+        Column("ratio", "relative to the first", ".2f"),
+        Column("worst_error", "largest error %", ".3g", scale=100),
+    )
+    caption = f"Rates, geometric mean of solve times shifted by {SHIFT:g} s, and largest error"
+    charts = [
+        Drawing(
+            "times",
+            "Solve time by version",
+            by_version(found.backends, _MEAN_TIME, names, share=False),
+        ),
+        Drawing(
+            "correct",
+            "Correct runs by version",
+            by_version(found.backends, _CORRECT, names, share=True),
+        ),
+    ]
+    choice = [Filters([], [], "", solvers)] if len(solvers) > 1 else []
+    return [*choice, Table(columns, found.backends, caption), Gallery(charts)]
+
+
+def _changes(found: History) -> Block:
+    if not len(found.changes):
+        return Text(_NO_CHANGE)
+    settings = found.changes["settings"].ne("").any()
+    known = any(found.changes[name].ne("").any() for name in ("lacore_before", "lacore_after"))
+    columns = (
+        Column("verdict_after", "verdict", moods=VERDICTS),
+        Column("verdict_before", "before"),
+        Column("case"),
+        Column("variant"),
+        Column("backend"),
+        Column("coupling"),
+        Column("mesh"),
+        *([Column("settings", long=True)] if settings else []),
+        Column("load_factor_before", "load factor before", ".7g"),
+        Column("load_factor_after", "load factor", ".7g"),
+        Column("change", "change %", "+.2g", scale=100),
+        Column("before", "changed from"),
+        Column("after", "to"),
+        *(
+            [Column("lacore_before", "lacore before"), Column("lacore_after", "lacore")]
+            if known
+            else []
+        ),
+    )
+    return Table(columns, found.changes)
+
+
+def _packages(versions: Sequence[Version]) -> list[Section]:
+    """Return the packages whose version differs, one column for each of the results.
+
+    A package may also differ between the sessions of the same results.
+    """
+    names = dict.fromkeys(name for own in versions for name in own.packages)
+    rows = [
+        {"package": name} | {own.name: own.packages.get(name, "unknown") for own in versions}
+        for name in names
+        if len({own.packages.get(name, "unknown") for own in versions}) > 1
+        or any(", " in own.packages.get(name, "") for own in versions)
+    ]
+    if not rows:
+        return []
+    columns = [Column("package"), *(Column(own.name, own.name) for own in versions)]
+    return [Section("packages", "Packages that changed", [Table(columns, pd.DataFrame(rows))])]
