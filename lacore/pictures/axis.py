@@ -15,6 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation, NullLocator
+from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
 from lacore.reporting.units import Units
 
@@ -25,6 +26,10 @@ _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SI = Units()
 _FAR = 1.0  # sizes of the body: an axis farther off is not drawn
+
+
+_BAR = 0.16  # inches: width of a colour bar
+_NEAR_BAR, _FAR_BAR = 0.12, 0.5  # inches between axes in the plane, or in space, and their bar
 
 
 def has_axis(bodies: Iterable[Stated]) -> bool:
@@ -95,14 +100,14 @@ def colour_bar(colours: ScalarMappable, axes: Axes, label: str = "", shrink: flo
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    scale = colours.norm
-    logarithmic = isinstance(scale, LogNorm)
+    logarithmic = isinstance(colours.norm, LogNorm)
+    # In inches from the right edge of the axes, wherever equal scales of both coordinates leave it.
+    edge = figure.dpi_scale_trans + ScaledTranslation(1.0, 0.0, axes.transAxes)
+    place = blended_transform_factory(edge, axes.transAxes)
+    gap = _FAR_BAR if axes.name == "3d" else _NEAR_BAR
     bar = figure.colorbar(
         colours,
-        ax=axes,
-        shrink=shrink,
-        pad=0.12 if axes.name == "3d" else 0.01,
-        aspect=25,
+        cax=axes.inset_axes((gap, (1 - shrink) / 2, _BAR, shrink), transform=place),
         extend="min" if logarithmic else "neither",
         format=PowerFormatter() if logarithmic else None,
     )

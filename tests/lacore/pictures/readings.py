@@ -20,7 +20,7 @@ def drawn(figure):
 
 def words(figure):
     texts = [figure.get_suptitle()]
-    for axes in figure.axes:
+    for axes in (one for own in figure.axes for one in (own, *own.child_axes)):
         texts += [axes.get_title(loc="right"), axes.get_xlabel(), axes.get_ylabel()]
         if axes.get_legend():
             texts += [text.get_text() for text in axes.get_legend().get_texts()]

@@ -133,7 +133,8 @@ def test_names_of_axes(normal, names):
 
 def test_the_picture_has_values_of_the_elements_and_arrows(state):
     figure = state.plot_section((0, 0.5, 0), (0, 1, 0))
-    axes, bar = figure.axes
+    (axes,) = figure.axes
+    (bar,) = axes.child_axes
     polygons, arrows = axes.collections
     power = state.dissipation["column"]
     cut = cut_by(
