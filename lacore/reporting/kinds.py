@@ -9,12 +9,12 @@ class Kind(Enum):
 
     # Where a mechanism ends
     REACHES_SUPPORT = (
-        "the mechanism reaches {where}: if the ground continues there, make the body larger,"
+        "the mechanism reaches {where}: if the material continues there, make the body larger,"
         " because the load factor may decrease"
     )
     REACHES_ROLLERS = (
         "the mechanism reaches {where}: unless this is a plane of symmetry or the end of the"
-        " ground, make the body larger, because the load factor may change"
+        " material, make the body larger, because the load factor may change"
     )
     MORE_GROUND = (
         "the mechanism reaches {where}: with {depth} of additional ground, the load factor is"

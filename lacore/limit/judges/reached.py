@@ -1,4 +1,4 @@
-"""Whether the mechanism of a soil comes to where the soil is held: a box that is too small."""
+"""Whether a mechanism comes to where its body is held: a box that is too small."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -7,6 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.slips import contact_facets
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import outward_normals
 from lacore.bodies.continuum.dofs import BodyDofs
@@ -32,12 +33,12 @@ _FACING = -0.99  # cosine of outward normals of sides that face each other
 
 
 def reached_supports(discretisation: Discretisation, velocity: Floats | None) -> Finding | None:
-    """Return which supports of soils the mechanism reaches; None without any.
+    """Return which supports the mechanism reaches; None without any.
 
-    Of soil with friction, and of supports that hold it altogether, or are the rollers of a box:
-    along a plane of symmetry it may move. Speeds rise from a support; what they are at 2 % of the
-    size of the body is taken from the elements beside it, so that large ones, in which any motion
-    ends, say little.
+    Of bodies in plane strain, of revolution or in space, and of supports that hold them altogether,
+    or are the rollers of a box: along a plane of symmetry they may move. Speeds rise from a
+    support; what they are at 2 % of the size of the body is taken from the elements beside it, so
+    that large ones, in which any motion ends, say little.
 
     Args:
         discretisation: of the problem.
@@ -63,12 +64,13 @@ def doubtful_supports(
 ) -> tuple[tuple[Fix, Floats], ...]:
     """Straight sides of soils that are held altogether, fast right beside them; outward normals.
 
-    Of those that `reached_supports` does not tell of: motion ends in elements of some size there.
+    Of soil with friction, whose mechanisms are wide, and of those that `reached_supports` does not
+    tell of: motion ends in elements of some size there.
     """
     found = []
     for support, dofs, speed, fastest in _held(discretisation, velocity):
         outward = _held_across(support, dofs.body)
-        if support.components not in _WHOLE or outward is None:
+        if support.components not in _WHOLE or outward is None or not _rubs(dofs.body):
             continue
         nodes = _nodes_beside(dofs, facets_of(support, dofs.body))
         if float(speed[nodes].max(initial=0.0)) > _IN_DOUBT * fastest > 0:
@@ -84,7 +86,10 @@ def side(support: Fix) -> str:
 def _held(
     discretisation: Discretisation, velocity: Floats | None
 ) -> Iterator[tuple[Fix, BodyDofs, Floats, float]]:
-    """Supports of soils, their unknowns, speeds of their nodes, and the largest of all bodies."""
+    """Supports of bodies, their unknowns, speeds of their nodes, and the largest of all bodies.
+
+    Plates in plane stress are structures that end at their supports.
+    """
     if velocity is None or not discretisation.continua:
         return
     speeds = {
@@ -94,15 +99,15 @@ def _held(
     fastest = max(float(speed.max(initial=0.0)) for speed in speeds.values())
     for support in discretisation.problem.supports:
         dofs = discretisation.continua.get(support.body)
-        if dofs is not None and _rubs(dofs.body):
+        if dofs is not None and dofs.body.kinematics != "plane_stress":
             yield support, dofs, speeds[support.body], fastest
 
 
 def _of_a_box(support: Fix, problem: Problem, body: Body) -> bool:
     """Whether rollers end a body that is held on two sides which face each other.
 
-    Where the load begins at them they are a plane of symmetry. A quarter of a block, whose planes
-    of symmetry do not face each other, is no box.
+    Where the load, or contact, begins at them they are a plane of symmetry. A quarter of a block,
+    whose planes of symmetry do not face each other, is no box.
     """
     own = [one for one in problem.supports if one.body == support.body]
     held = [normal for one in own if (normal := _held_across(one, body)) is not None]
@@ -114,6 +119,8 @@ def _of_a_box(support: Fix, problem: Problem, body: Body) -> bool:
     touched = [
         body.mesh.facets[:, facets_of(load, body)] for load in loaded if load.boundary is not None
     ]
+    contacts = (contact_facets(problem, index) for index in range(len(problem.interfaces)))
+    touched += [body.mesh.facets[:, own[support.body]] for own in contacts if support.body in own]
     return not any(np.isin(ends, one).any() for one in touched)
 
 

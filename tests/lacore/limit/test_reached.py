@@ -171,7 +171,7 @@ def test_sides_that_hold_no_motion_across_them_are_no_box():
     """A layer in simple shear grows at its sides, which are held along themselves."""
     case, (variant, *_) = find("simple-shear-layer:phi-20")
     message = la.solve(case.problem(variant, "medium"), coupling="associated").message
-    assert "reaches layer.bottom: if the ground continues" in message
+    assert "reaches layer.bottom: if the material continues" in message
     assert "layer.left" not in message
 
 
@@ -192,8 +192,45 @@ def test_no_case_of_the_catalogue_is_told_that_it_is_too_small(name, variant):
     assert "reaches" not in la.solve(problem, coupling="associated").message
 
 
-def test_a_metal_is_held_where_it_ends():
-    assert "reaches" not in la.solve(strip(4.0, 0.7, angle=0.0)).message
+@pytest.mark.parametrize(
+    ("box", "names"),
+    [
+        ((4.0, 1.4), []),  # Hill's mechanism in clay is 2 m by 0.7 m
+        ((4.0, 0.4), ["soil.bottom"]),
+        ((1.3, 1.4), ["soil.right"]),
+    ],
+)
+def test_clay_is_told_of_its_box_too(box, names):
+    message = la.solve(strip(*box, nx=10, ny=6, angle=0.0)).message
+    for side in ("soil.left", "soil.right", "soil.bottom"):
+        assert (f"the mechanism reaches {side}" in message) == (side in names)
+
+
+def test_a_plate_ends_at_its_supports():
+    mesh = la.meshes.rectangle((0, 2), (0, 1), 8, 4)
+    plate = la.Problem(
+        {"plate": la.Body(mesh, la.VonMises(1.0), kinematics="plane_stress")},
+        [la.Traction("plate", "right", (0, -1))],
+        [la.Fix("plate", "left")],
+    )
+    assert "reaches" not in la.solve(plate).message
+
+
+def test_contact_that_begins_at_rollers_makes_them_a_plane_of_symmetry():
+    """Half of a block pressed onto clay, between two sides that hold it across."""
+    clay = strip(2.0, 1.4, nx=8, ny=5, angle=0.0).bodies["soil"]
+    block = la.RigidBlock([(0, 0), (1, 0), (1, 1), (0, 1)])
+    problem = la.Problem(
+        {"soil": clay, "block": block},
+        [la.PointForce("block", (0.5, 0.5), (0, -1))],
+        [
+            *(la.Fix("soil", side, "x") for side in ("left", "right")),
+            la.Fix("soil", "bottom"),
+            la.Fix("block", lambda x: x[0] == 0, "x"),
+        ],
+        interfaces=[la.Interface(("soil", "under"), ("block", lambda x: x[1] == 0), la.SMOOTH)],
+    )
+    assert "soil.left" not in la.solve(problem).message
 
 
 def test_a_bracket_tells_it_too():
