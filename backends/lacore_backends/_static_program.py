@@ -144,9 +144,11 @@ class StaticProgram:
         forces += [_forces(points.normal, -points.weights), slip, slip[:, turning]]
         damped += [np.zeros(points.count), weights, weights[turning]]
         # What surfaces leave of their strength is an unknown, on which no force acts.
-        pressed = [group.surfaces for group in program.groups if group.surfaces is not None]
-        forces += [csr_matrix((program.n, own.strength.size)) for own in pressed]
-        damped += [np.zeros(own.strength.size) for own in pressed]
+        pressure_dependent = [
+            group.surfaces for group in program.groups if group.surfaces is not None
+        ]
+        forces += [csr_matrix((program.n, own.strength.size)) for own in pressure_dependent]
+        damped += [np.zeros(own.strength.size) for own in pressure_dependent]
         return forces, damped
 
     def _strengths_of_groups(self) -> list[_Cones]:
@@ -159,13 +161,13 @@ class StaticProgram:
 
     def _planes(self) -> list[_Cones]:
         """``||s||`` below what each surface leaves of its strength."""
-        pressed = [
+        pressure_dependent = [
             (group, columns)
             for group, columns in zip(self._program.groups, self._stresses, strict=True)
             if group.surfaces is not None
         ]
         found = []
-        for (group, columns), left in zip(pressed, self._left, strict=True):
+        for (group, columns), left in zip(pressure_dependent, self._left, strict=True):
             assert group.surfaces is not None
             shear = columns.reshape(-1, group.dim)
             for lead in left.reshape(-1, group.surfaces.count).T[group.surfaces.normed > 0]:
@@ -336,11 +338,11 @@ def _remaining(surfaces: Surfaces, left: Ints, means: Ints, size: int) -> Sparse
     m, k, volumes = surfaces.slope.shape
     own = np.arange(m * k)
     slopes = surfaces.slope.reshape(m * k, volumes)
-    pressed = means.reshape(m, volumes)[own // k]
+    mean_stresses = means.reshape(m, volumes)[own // k]
     entries = np.concatenate([np.ones(own.size), slopes.ravel()])
     where = (
         np.concatenate([own, np.repeat(own, volumes)]),
-        np.concatenate([left, pressed.ravel()]),
+        np.concatenate([left, mean_stresses.ravel()]),
     )
     return csr_matrix((entries, where), (own.size, size))
 

@@ -1,8 +1,8 @@
 """lacore's own interior-point method on the exact program, factorised on velocities alone.
 
-A homogeneous self-dual embedding (`lacore_backends._embedding`): the lengths of strain rates and all
-multipliers are eliminated point by point, so that what is factorised is as sparse as the stiffness
-of the bodies, positive definite, and of one pattern.
+A homogeneous self-dual embedding (`lacore_backends._embedding`): the lengths of strain rates and
+all multipliers are eliminated point by point, so that what is factorised is as sparse as the
+stiffness of the bodies, positive definite, and of one pattern.
 """
 
 import time

@@ -27,8 +27,8 @@ def strengths_of(groups: Sequence[DissipationGroup], dead_load: Floats, area: fl
     """
     strengths = [_carried(group, dead_load, area) for group in groups]
     if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
-        pressed = [group.surfaces for group in groups if group.surfaces is not None]
-        strengths += [float(surfaces.strength.max()) for surfaces in pressed]
+        pressure_dependent = [group.surfaces for group in groups if group.surfaces is not None]
+        strengths += [float(surfaces.strength.max()) for surfaces in pressure_dependent]
     return strengths
 
 
@@ -56,8 +56,8 @@ def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats
     for dofs in unknowns.blocks.values():
         points, across = dofs.body.crushing_points, cbrt(dofs.extent)
         if points is not None and np.any(dead_load):
-            pressed = fsum(np.abs(dead_load)) / across**2
-            unit[dofs.crushing] = min(1.0, pressed / points.strength)
+            pressure = fsum(np.abs(dead_load)) / across**2
+            unit[dofs.crushing] = min(1.0, pressure / points.strength)
     return csr_matrix(diags_array(unit) @ basis)
 
 

@@ -110,7 +110,7 @@ class _Able(Compact):
 
     Attributes:
         name, dofs: of the body.
-        facets, normal, owner, pressed, straight: see `Slip`, shape (e,) or (2, e).
+        facets, normal, owner, holds_normal, straight: see `Slip`, shape (e,) or (2, e).
         must: which leave no velocity otherwise, shape (e,).
     """
 
@@ -119,7 +119,7 @@ class _Able(Compact):
     facets: Ints
     normal: Floats
     owner: Ints
-    pressed: Bools
+    holds_normal: Bools
     straight: Bools
     must: Bools
 
@@ -132,7 +132,7 @@ class _Able(Compact):
             footing=owner,
             unknown=np.where(owner < 0, 0, first + owner),
             motion=motion[owner].T,
-            pressed=self.pressed[kept],
+            holds_normal=self.holds_normal[kept],
             stuck=self.straight[:, kept],
         )
 
@@ -146,9 +146,9 @@ def _able(
     contact: Ints,
 ) -> _Able:
     mesh = dofs.body.mesh
-    facets, owner, pressed = _sticking(dofs, asked, asking)
-    apart = ~np.isin(facets, contact) & ~_pressed(dofs)[mesh.f2t[0, facets]]
-    facets, owner, pressed = facets[apart], owner[apart], pressed[apart]
+    facets, owner, holds_normal = _sticking(dofs, asked, asking)
+    apart = ~np.isin(facets, contact) & ~_pressure_dependent(dofs)[mesh.f2t[0, facets]]
+    facets, owner, holds_normal = facets[apart], owner[apart], holds_normal[apart]
     *_, normal = facet_geometry(dofs.body, facets)
     turned, straight = meetings(dofs, facets, contact)
     corners = [
@@ -157,7 +157,7 @@ def _able(
     ]
     against = contradictory(join(corners), mesh.nvertices, len(footings))
     must = np.any(turned | np.isin(mesh.facets[:, facets], against), axis=0)
-    return _Able(name, dofs, facets, normal, owner, pressed, straight, must)
+    return _Able(name, dofs, facets, normal, owner, holds_normal, straight, must)
 
 
 def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[str, Ints]:
@@ -175,7 +175,7 @@ def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[s
     return {name: number[start[name] :][:count] for name, count in zip(bodies, counts, strict=True)}
 
 
-def _pressed(dofs: BodyDofs) -> Bools:
+def _pressure_dependent(dofs: BodyDofs) -> Bools:
     """Elements whose strength depends on pressure, shape (elements,)."""
     found = np.zeros(dofs.body.mesh.nelements, dtype=bool)
     for region in dofs.body.regions:

@@ -106,12 +106,12 @@ def anchored(run: Run) -> Iterate:
     area = sum(float(group.weights.sum()) for group in program.groups)
     length = float(rows.weights.sum()) if rows.coulomb.any() else area**0.5
     for factor in _GENEROUS:
-        pressed = generous(program, factor * load / length)
-        frozen = at_pressing(program, pressed)
+        reactions = generous(program, factor * load / length)
+        frozen = at_pressing(program, reactions)
         k = run.solve("generous", frozen.contact, program=frozen.program)
         if k.inner.status is not Status.UNSAFE:
             break
-    return k if k.inner.point is None else s_step(run, k.inner.point, pressed)
+    return k if k.inner.point is None else s_step(run, k.inner.point, reactions)
 
 
 def averaged(run: Run, static: ProgramState) -> Iterate | None:

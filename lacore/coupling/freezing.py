@@ -51,28 +51,28 @@ def generous(program: KinematicProgram, stress: float) -> Floats:
     return np.full(program.contact.count + friction.size, stress)
 
 
-def friction_of(program: KinematicProgram, pressed: Floats) -> Floats:
+def friction_of(program: KinematicProgram, reactions: Floats) -> Floats:
     """Friction bounds of contact points and soils, Pa, from what `pressing` lists."""
-    reaction, friction = np.split(pressed, [program.contact.count])
+    reaction, friction = np.split(reactions, [program.contact.count])
     return np.concatenate([program.contact.coefficient * reaction, friction])
 
 
-def at_pressing(program: KinematicProgram, pressed: Floats) -> Frozen:
+def at_pressing(program: KinematicProgram, reactions: Floats) -> Frozen:
     """Friction frozen at what `pressing` lists: the problem of a K-step."""
-    reaction, friction = np.split(pressed, [program.contact.count])
+    reaction, friction = np.split(reactions, [program.contact.count])
     return Frozen(program.at_friction(friction), reaction_contact(program.contact, reaction))
 
 
-def at_slip(program: KinematicProgram, velocity: Floats, pressed: Floats) -> Frozen:
+def at_slip(program: KinematicProgram, velocity: Floats, reactions: Floats) -> Frozen:
     """Slip, flow and hardening frozen at a velocity: the problem of an S-step.
 
     Args:
         program: as it is stated.
         velocity: of a K-step.
-        pressed: what it froze, which says on which surfaces of a soil it flows.
+        reactions: what it froze, which says on which surfaces of a soil it flows.
     """
     slip = np.asarray(np.linalg.norm(program.contact.slip(velocity), axis=1))
-    friction = pressed[program.contact.count :]
+    friction = reactions[program.contact.count :]
     flowing = program.hardened(velocity).at_flow(velocity, friction)
     return Frozen(flowing, shift_contact(program.contact, slip))
 

@@ -15,12 +15,12 @@ class Nearby(Compact):
     """Friction at the contact points of another state, each of shape (m,), all >= 0.
 
     Attributes:
-        pressed: normal reactions, Pa: of a state so near that its first K-step begins with them.
+        normal_reaction: Pa: of a state so near that its first K-step begins with them.
         slip: slip rates, m/s at ``F0.u = 1``, of one that is less near: rough solves begin there;
             None: at the associated state.
     """
 
-    pressed: Floats | None = None
+    normal_reaction: Floats | None = None
     slip: Floats | None = None
 
     def within(self, program: KinematicProgram) -> "Nearby":
@@ -30,7 +30,10 @@ class Nearby(Compact):
             InputError: it is not that of its contact points.
         """
         count, scales = program.contact.count, program.scales
-        given = ("pressed", self.pressed, scales.stress), ("slip", self.slip, scales.velocity)
+        given = (
+            ("normal_reaction", self.normal_reaction, scales.stress),
+            ("slip", self.slip, scales.velocity),
+        )
         found: dict[str, Floats] = {}
         for name, values, scale in given:
             if values is None:

@@ -46,12 +46,12 @@ def settled(run: Run, static: ProgramState) -> Iterate | None:
 def _hurried(run: Run, static: ProgramState) -> Iterate | None:
     """Undamped K-steps from the least gap so far, as long as it halves from look to look."""
     static, least = closest(run, static), min(map(gap, s_steps(run)), default=0.0)
-    pressed, step, own = pressing(run.program, static), 0, 0.0
+    reactions, step, own = pressing(run.program, static), 0, 0.0
     while own <= _HALF * least:
-        pressed, k = carried_k_step(run, pressed, static, "K")
+        reactions, k = carried_k_step(run, reactions, static, "K")
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
             return k if carries(run, k) else None
-        frozen, pressed, step = pressed, pressing(run.program, k.inner.point), step + 1
+        frozen, reactions, step = reactions, pressing(run.program, k.inner.point), step + 1
         if step % _BATCH == 0:
             s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):
@@ -65,14 +65,14 @@ def drifted(run: Run, static: ProgramState) -> Iterate | None:
 
     Now and then an S-step looks for a pair.
     """
-    pressed = pressing(run.program, static)
+    reactions = pressing(run.program, static)
     for step in range(1, _DRIFT + 1):
         kind, share = ("K", 1.0) if step <= _UNDAMPED else ("damped K", 0.5)
-        pressed, k = carried_k_step(run, pressed, static, kind)
+        reactions, k = carried_k_step(run, reactions, static, kind)
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
             return k if carries(run, k) else None
-        frozen = pressed
-        pressed = pressed + share * (pressing(run.program, k.inner.point) - pressed)
+        frozen = reactions
+        reactions = reactions + share * (pressing(run.program, k.inner.point) - reactions)
         if step in _LOOKS:
             s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):

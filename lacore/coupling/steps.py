@@ -67,12 +67,12 @@ def alternate(
         most: solves of the loop, from its start, after which it ends; None: as many as it has.
         falls: share of the least gap that a round has to come to, to count as progress.
     """
-    pressed, least, failed = pressing(run.program, static), np.inf, 0
+    reactions, least, failed = pressing(run.program, static), np.inf, 0
     while not run.exhausted and failed <= patience and len(run.iterates) < (most or np.inf):
-        pressed, k = carried_k_step(run, pressed, static, kind)
+        reactions, k = carried_k_step(run, reactions, static, kind)
         if k.inner.point is None or run.free(k) or run.proven(k):
             return k if carries(run, k) else None
-        s = s_step(run, k.inner.point, pressed)
+        s = s_step(run, k.inner.point, reactions)
         if s.inner.point is None or run.free(s) or run.proven(s):
             return s if carries(run, s) else None
         static, own = s.inner.point, gap(s)
@@ -81,7 +81,7 @@ def alternate(
         failed = 0 if own <= falls * least else failed + 1
         least = min(least, own)
         both = pressing(run.program, static), pressing(run.program, k.inner.point)
-        pressed = blend(pressed, *both)
+        reactions = blend(reactions, *both)
     return None
 
 
@@ -94,13 +94,15 @@ def resumed(run: Run, blend: Blend, patience: int) -> Iterate | None:
         blend, patience: see `alternate`.
     """
     near = run.near
-    pressed = _found_roughly(run, near.slip) if near.pressed is None else near.pressed
-    if pressed is None:
+    reactions = (
+        _found_roughly(run, near.slip) if near.normal_reaction is None else near.normal_reaction
+    )
+    if reactions is None:
         return None
-    k = k_step(run, pressed, None, "K")
+    k = k_step(run, reactions, None, "K")
     if k.inner.point is None or run.free(k) or run.proven(k):
         return k if carries(run, k) else None
-    s = s_step(run, k.inner.point, pressed)
+    s = s_step(run, k.inner.point, reactions)
     if s.inner.point is None or run.free(s) or run.proven(s):
         return s if carries(run, s) else None
     return alternate(run, s.inner.point, "K", patience, blend, _SOON)
@@ -127,42 +129,42 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
     point = last.inner.point
     if point is None:
         return None
-    pressed = pressing(run.program, point)
-    return np.where(pressed > _NOISE * pressed.max(initial=0.0), pressed, 0.0)
+    reactions = pressing(run.program, point)
+    return np.where(reactions > _NOISE * reactions.max(initial=0.0), reactions, 0.0)
 
 
 def carried_k_step(
-    run: Run, pressed: Floats, static: ProgramState, kind: str
+    run: Run, reactions: Floats, static: ProgramState, kind: str
 ) -> tuple[Floats, Iterate]:
     """A K-step, and what it froze: more where that is less than any admissible state needs."""
-    k = k_step(run, pressed, static, kind)
+    k = k_step(run, reactions, static, kind)
     if k.inner.status is Status.UNSAFE:
-        pressed = np.maximum(pressed, pressing(run.program, static))
-        k = k_step(run, pressed, static, kind)
-    return pressed, k
+        reactions = np.maximum(reactions, pressing(run.program, static))
+        k = k_step(run, reactions, static, kind)
+    return reactions, k
 
 
-def k_step(run: Run, pressed: Floats, static: ProgramState | None, kind: str) -> Iterate:
+def k_step(run: Run, reactions: Floats, static: ProgramState | None, kind: str) -> Iterate:
     """``u = argmin`` of (T5) at frozen friction, judged with the static state before, if any."""
     program = run.program
-    frozen = at_pressing(program, pressed)
+    frozen = at_pressing(program, reactions)
     partner = None if static is None else lambda k: paired(k, static)
     k = run.solve(kind, frozen.contact, partner=partner, program=frozen.program)
     if k.inner.point is not None:
         image = pressing(program, k.inner.point)
-        run.mapped("K", friction_of(program, pressed), friction_of(program, image))
+        run.mapped("K", friction_of(program, reactions), friction_of(program, image))
     return k
 
 
-def s_step(run: Run, kinematic: ProgramState, pressed: Floats) -> Iterate:
+def s_step(run: Run, kinematic: ProgramState, reactions: Floats) -> Iterate:
     """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12).
 
     Args:
         run: the loop.
         kinematic: a K-step's.
-        pressed: what it froze.
+        reactions: what it froze.
     """
-    frozen = at_slip(run.program, kinematic.velocity, pressed)
+    frozen = at_slip(run.program, kinematic.velocity, reactions)
     partner = lambda s: paired(kinematic, s)  # noqa: E731
     return run.solve("S", frozen.contact, partner=partner, program=frozen.program)
 

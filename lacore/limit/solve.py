@@ -44,7 +44,7 @@ def solve(
     on_iterate: Callable[[Iterate], None] | None = None,
     throw: bool = False,
     process: SolverProcess | None = None,
-    pressed: Floats | None = None,
+    normal_reaction: Floats | None = None,
     slip: Floats | None = None,
 ) -> LimitState:
     """Collapse load and mechanism of a problem.
@@ -70,8 +70,8 @@ def solve(
         process: Let the backend work in this process, which survives neither hanging nor crashing
             of it, but everything else does. Without it, a backend of another package, and one
             that asks for isolation, works in a process that is kept for it; any other works here.
-        pressed: normal reactions at the contact points of a state nearby, Pa, within a step of a
-            path: its ``certified`` loop begins there. What is certified does not depend on it.
+        normal_reaction: at the contact points of a state nearby, Pa, within a step of a path: its
+            ``certified`` loop begins there. What is certified does not depend on it.
         slip: slip rates there, m/s at ``F0.u = 1``, of a state that is less near, as of the step
             before: the rough solves that find reactions begin with them.
 
@@ -99,7 +99,7 @@ def solve(
         options=options or {},
         on_iterate=on_iterate or (lambda _: None),
         process=process,
-        near=Nearby(pressed, slip),
+        near=Nearby(normal_reaction, slip),
     )
     outcome = with_hinges(given, problem, tolerance, lambda own: proven_outcome(own, request))
     state = limit_state(outcome, backend, options or {})

@@ -47,8 +47,8 @@ class Moment(Compact):
         at: where bodies are now.
         duration: of the step, s; of the velocities of ``F0.u = 1``.
         share: of the duration that has gone by when the yield stress counts, theta.
-        pressed: normal reactions at the contact points where the loop on friction begins, Pa: of
-            a moment of the same step; None: it looks for them.
+        normal_reaction: at the contact points where the loop on friction begins, Pa: of a moment of
+            the same step; None: it looks for them.
         slip: slip rates there with which it begins to look, m/s at ``F0.u = 1``: of the step
             before; None: it begins at the associated state.
     """
@@ -57,7 +57,7 @@ class Moment(Compact):
     at: Configuration
     duration: float
     share: float
-    pressed: Floats | None = None
+    normal_reaction: Floats | None = None
     slip: Floats | None = None
 
 
@@ -169,12 +169,12 @@ class WarmStart(Compact):
 
     def within(self, problem: Discretisation, moment: Moment) -> Moment:
         """Return a moment with the friction at which the loop begins."""
-        pressed, slip = self.reactions, None
-        if pressed is not None and pressed.size != problem.full.contact.count:
-            pressed = None  # bodies have slid on to other edges
+        normal_reaction, slip = self.reactions, None
+        if normal_reaction is not None and normal_reaction.size != problem.full.contact.count:
+            normal_reaction = None  # bodies have slid on to other edges
         if self.reactions is None and self.velocity is not None:
             slip = _slip(problem, self.velocity)
-        return replace(moment, pressed=pressed, slip=slip)
+        return replace(moment, normal_reaction=normal_reaction, slip=slip)
 
 
 def flow(
@@ -193,7 +193,7 @@ def flow(
     """
     problem = limit_problem(stage, moment)
     moment = moment if warm is None else warm.within(problem, moment)
-    state = solve(problem, **settings, pressed=moment.pressed, slip=moment.slip)
+    state = solve(problem, **settings, normal_reaction=moment.normal_reaction, slip=moment.slip)
     return flow_of(state, moment)
 
 

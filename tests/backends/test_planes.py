@@ -12,7 +12,7 @@ from lacore_backends._embedding import follow as way
 from lacore_backends._embedding.arrays import Translation
 from lacore_backends._embedding.follow import follow
 from lacore_backends._embedding.loops import plain
-from lacore_backends._embedding.pressed import Planes
+from lacore_backends._embedding.pressure_dependent import Planes
 from lacore_backends._embedding.start import start
 from lacore_backends._embedding.stiffness import Stiffness
 from lacore_backends._embedding.system import System

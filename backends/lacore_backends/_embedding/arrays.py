@@ -5,7 +5,7 @@
 
 Rows carry their weights, so that multipliers are stresses. The c of a friction cone is its bound;
 dilatant contact points are cones of G, the others half-lines. What has several planes at a point
-has cones of its own (`lacore_backends._embedding.pressed`).
+has cones of its own (`lacore_backends._embedding.pressure_dependent`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ from lacore.numerics.interleaving import interleaved
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.state import ProgramState
 from lacore_backends._embedding.loops.best import Loops
-from lacore_backends._embedding.pressed import Apex, Planes, alone
+from lacore_backends._embedding.pressure_dependent import Apex, Planes, alone
 from lacore_backends._embedding.rows import Rows
 
 
@@ -46,12 +46,12 @@ class Free:
     Attributes:
         rows: G, lead first.
         offset: g, shape (dim, m).
-        pressed: their leads dissipate.
+        dissipates: whether their leads do.
     """
 
     rows: Rows
     offset: Floats
-    pressed: bool = False
+    dissipates: bool = False
 
 
 @dataclass(frozen=True)

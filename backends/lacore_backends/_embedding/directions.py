@@ -97,7 +97,7 @@ class Directions:
             place.multipliers[count : self._first],
             strict=True,
         ):
-            if kind.pressed:
+            if kind.dissipates:
                 share = s[0] * z[0]
                 softness += float(np.sum(share * scaling.square / kind.rows.norms))
                 power += float(share.sum())

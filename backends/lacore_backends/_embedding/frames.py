@@ -7,7 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore_backends._embedding.cones import Scaling
-from lacore_backends._embedding.pressed import Planes
+from lacore_backends._embedding.pressure_dependent import Planes
 from lacore_backends._embedding.rows import Rows
 
 _STEEP = 4.0  # largest value of ``2 w w^T - J`` per w.w, along the edge of a cone

@@ -10,7 +10,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore_backends._embedding.arrays import Conic, Multipliers
 from lacore_backends._embedding.cones import inner, inside, lengths
-from lacore_backends._embedding.pressed import Planes
+from lacore_backends._embedding.pressure_dependent import Planes
 
 T = TypeVar("T")
 

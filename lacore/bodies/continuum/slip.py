@@ -21,7 +21,7 @@ class Slip(Compact):
         footing: number of the footing that holds each, -1 of supports, shape (e,).
         unknown: speed of that footing among all unknowns; of supports any, shape (e,).
         motion: velocity of what holds, per speed of the footing, shape (2, e); of supports 0.
-        pressed: whether it holds the normal velocity too, shape (e,).
+        holds_normal: whether it holds the normal velocity too, shape (e,).
         stuck: which ends may not slip, in the order of ``mesh.facets``, shape (2, e).
     """
 
@@ -30,7 +30,7 @@ class Slip(Compact):
     footing: Ints
     unknown: Ints
     motion: Floats
-    pressed: Bools
+    holds_normal: Bools
     stuck: Bools
 
     @property
@@ -52,7 +52,7 @@ class Slip(Compact):
         ends = nodes[[0, -1]]
         parts = []
         for wanted, at, direction in (
-            (np.broadcast_to(self.pressed, nodes.shape), nodes, self.normal),
+            (np.broadcast_to(self.holds_normal, nodes.shape), nodes, self.normal),
             (self.stuck, ends, self.tangent),
         ):
             facet = np.nonzero(wanted)[1]

@@ -37,7 +37,7 @@ from lacore.paths.stage import Stage
 from lacore.paths.stored.fingerprint import fingerprint
 from lacore.paths.stored.progress import Progress, WrongFieldError, require_sound
 
-_FORMAT = 6
+_FORMAT = 7
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
 _UNREADABLE = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
@@ -276,7 +276,10 @@ class _Packing:
         if (moment := snapshot.moment) is not None:
             arrays |= self.configuration(f"{key}/begin", moment.begin)
             arrays |= self.configuration(f"{key}/at", moment.at)
-            friction = {f"{key}/pressed": moment.pressed, f"{key}/slip": moment.slip}
+            friction = {
+                f"{key}/normal_reaction": moment.normal_reaction,
+                f"{key}/slip": moment.slip,
+            }
             arrays |= {name: values for name, values in friction.items() if values is not None}
         return arrays
 
@@ -356,7 +359,7 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
                         configuration(f"snapshot/{place}/at"),
                         *own["moment"],
                     ),
-                    pressed=arrays.get(f"snapshot/{place}/pressed"),
+                    normal_reaction=arrays.get(f"snapshot/{place}/normal_reaction"),
                     slip=arrays.get(f"snapshot/{place}/slip"),
                 ),
             )

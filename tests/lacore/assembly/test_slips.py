@@ -302,7 +302,7 @@ def test_supports_of_one_component_slip_where_it_is_the_tangential_one():
     d = la.discretise(replace(stated, supports=stated.supports[:1]))
     base = d.slips["block"].normal[1] == -1.0
     assert base.any()
-    assert not d.slips["block"].pressed[base].any()
+    assert not d.slips["block"].holds_normal[base].any()
     d = la.discretise(replace(stated, supports=stated.supports[1:]))
     assert not (d.slips["block"].normal[1] == -1.0).any()
 

@@ -161,7 +161,7 @@ def test_friction_nearby_is_taken_in_the_units_of_a_program():
     program = dimensionless(d.program, scales)
     slip = np.full(program.contact.count, 3.0)
     found = Nearby(state.normal_reaction, slip).within(program)
-    assert found.pressed == pytest.approx(P0 / 10)
+    assert found.normal_reaction == pytest.approx(P0 / 10)
     assert found.slip == pytest.approx(6.0)
     for wrong in (slip[1:], -slip, np.nan * slip):
         with pytest.raises(la.InputError, match="numbers of 0 or more"):

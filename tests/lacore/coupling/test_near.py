@@ -67,7 +67,7 @@ def test_rough_solves_come_first_and_prove_nothing(step, cold):
 def test_where_it_begins_changes_nothing_that_is_proven(step, cold, factor):
     """Not even where nothing presses, or a thousand times too much."""
     reactions = factor * np.maximum(cold.point.normal_reaction, 0.0)
-    state = la.solve(step, pressed=reactions)
+    state = la.solve(step, normal_reaction=reactions)
     same(state, cold)
     assert kinds(state)[0] == "K"
     if factor == 1.0:  # its own reactions: the first pair holds, or its K-step alone
@@ -128,11 +128,11 @@ def test_a_moment_begins_where_the_one_before_in_its_step_ended():
     """So it is in a state that is solved again, and in a file; steps begin without."""
     problem, approaching = billet()
     path = la.sequential(problem, 0.05, 1, "implicit-euler", approaching=approaching)
-    pressed, state = path.snapshot(1).moment.pressed, path.state(1)
+    normal_reaction, state = path.snapshot(1).moment.normal_reaction, path.state(1)
     assert kinds(state)[0] == "K"
     # The last two iterates of a step have the same velocity to 1e-5 of the body.
     reactions = state.point.normal_reaction
-    assert pressed == pytest.approx(reactions, abs=0.01 * reactions.max())
+    assert normal_reaction == pytest.approx(reactions, abs=0.01 * reactions.max())
 
 
 def test_a_step_begins_at_the_slip_of_the_one_before():
@@ -140,7 +140,7 @@ def test_a_step_begins_at_the_slip_of_the_one_before():
     problem, _ = billet()
     path = la.sequential(problem, 0.15, 3)
     first, second = (path.snapshot(step).moment for step in (1, 2))
-    assert first.slip is second.pressed is None
+    assert first.slip is second.normal_reaction is None
     state = path.state(2)
     assert kinds(state)[0] == "rough S"
     d, u = state.discretisation, np.zeros(state.discretisation.full.n)
@@ -158,7 +158,7 @@ def test_what_does_not_harden_begins_as_ever(monkeypatch):
     assert kinds(la.solve(problem))[0] == "associated"
 
 
-@pytest.mark.parametrize("name", ["pressed", "slip"])
+@pytest.mark.parametrize("name", ["normal_reaction", "slip"])
 @pytest.mark.parametrize("wrong", [np.zeros(3), [-1.0], [np.nan]])
 def test_friction_of_other_points_is_refused(step, wrong, name):
     count = step.program.contact.count

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lacore.coupling.interval import End, EndStatus, Interval, further
-from lacore.coupling.search import HIGH, LOW, Found, Search
+from lacore.coupling.search import HIGH, LOW, CertifiedMechanism, Search
 from tests.lacore.planted import P0, sliding
 
 D, STATE = sliding()
@@ -18,7 +18,7 @@ def end(load_factor, status=EndStatus.EXACT):
 
 
 def found(low, high):
-    return Found(0, "path", Interval(end(low), end(high)), ())
+    return CertifiedMechanism(0, "path", Interval(end(low), end(high)), ())
 
 
 def search(bounds=(0.0, 2.0), seed=0):

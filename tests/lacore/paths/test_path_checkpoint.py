@@ -269,7 +269,7 @@ def test_all_that_a_step_needs_is_kept():
     """Who adds a field to one of these adds it to the file, and raises its format."""
     known = {
         Here: ["step", "travel", "configuration", "velocity", "strain_rate", "speed", "growth"],
-        Moment: ["begin", "at", "duration", "share", "pressed", "slip"],
+        Moment: ["begin", "at", "duration", "share", "normal_reaction", "slip"],
         Configuration: ["nodes", "strain"],
         Snapshot: [
             "step",

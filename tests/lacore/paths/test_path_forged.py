@@ -164,8 +164,14 @@ def test_with_all_digests_forged_a_path_is_one_that_could_have_been_or_is_refuse
         (lambda head, arrays: arrays["snapshot/2/strain/0"].__setitem__((0, 0), 5), "maximum"),
         (lambda head, arrays: head["snapshots"][1].update(step=2), "snapshot 1, travel"),
         (lambda head, arrays: head["snapshots"].pop(), "snapshots"),
-        (lambda head, arrays: arrays.update({"snapshot/2/pressed": np.array([-1.0])}), "reactions"),
-        (lambda head, arrays: arrays.update({"snapshot/2/pressed": np.array([np.nan])}), "pressed"),
+        (
+            lambda head, arrays: arrays.update({"snapshot/2/normal_reaction": np.array([-1.0])}),
+            "reactions",
+        ),
+        (
+            lambda head, arrays: arrays.update({"snapshot/2/normal_reaction": np.array([np.nan])}),
+            "normal_reaction",
+        ),
         (lambda head, arrays: arrays.update({"snapshot/2/slip": np.array([-1.0])}), "slip"),
     ],
 )

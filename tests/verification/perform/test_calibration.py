@@ -2,7 +2,7 @@
 
 from math import isnan
 
-from lacore_verification.perform import calibration
+from lacore_verification.perform import worker
 
 
 class Clock:
@@ -17,13 +17,13 @@ class Clock:
 
 def test_it_takes_little_of_the_time_of_a_comparison(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(calibration, "time", clock)
+    monkeypatch.setattr(worker, "time", clock)
 
     def solve():
         clock.now += 0.02
 
-    monkeypatch.setattr(calibration, "_prepared", lambda: solve)
-    own = calibration.Calibration()
+    monkeypatch.setattr(worker, "_prepared", lambda: solve)
+    own = worker.Calibration()
     spent = []
     while clock.now < 60.0:
         before = clock.now
@@ -36,6 +36,6 @@ def test_it_takes_little_of_the_time_of_a_comparison(monkeypatch):
 
 
 def test_it_is_measured_at_once_and_not_again_at_once():
-    own = calibration.Calibration()
+    own = worker.Calibration()
     assert own.seconds() > 0
     assert isnan(own.seconds())

@@ -26,7 +26,7 @@ class Worker:
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
         self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
-        self._calibration = _Calibration()
+        self._calibration = Calibration()
         self._calibrated = nan
 
     def open(self, backend: str) -> None:
@@ -83,7 +83,7 @@ def _with_compile_time(row: Row) -> Row:
     return replace(row, compile_time=found.process.compile_time)
 
 
-class _Calibration:
+class Calibration:
     """The solve, repeated now and then in one process; it is prepared when it is first needed."""
 
     def __init__(self) -> None:

@@ -32,7 +32,7 @@ class HeldFaces(Compact):
         footing: number of the footing that holds each, -1 of supports, shape (e,).
         motion: velocity of what holds, per each speed of the footings, at the control values of
             the faces, shape (s, 3, e, copies); of supports 0.
-        pressed: whether it holds the normal velocity, shape (e,).
+        holds_normal: whether it holds the normal velocity, shape (e,).
         along: orthonormal directions in each face that it holds, 0 for none, shape (2, 3, e).
     """
 
@@ -40,7 +40,7 @@ class HeldFaces(Compact):
     normal: Floats
     footing: Ints
     motion: Floats
-    pressed: Bools
+    holds_normal: Bools
     along: Floats
 
     @property
@@ -51,12 +51,12 @@ class HeldFaces(Compact):
     @property
     def altogether(self) -> Bools:
         """Faces held in all directions, shape (e,)."""
-        return np.asarray(self.pressed & np.any(self.along, axis=1).all(axis=0))
+        return np.asarray(self.holds_normal & np.any(self.along, axis=1).all(axis=0))
 
     @property
     def directions(self) -> Floats:
         """Orthonormal directions in which faces are held, 0 for none, shape (3, 3, e)."""
-        return np.concatenate([self.along, [self.normal * self.pressed]])
+        return np.concatenate([self.along, [self.normal * self.holds_normal]])
 
     def kept(self, mask: Bools) -> "HeldFaces":
         """Those of a mask of shape (e,)."""
@@ -65,7 +65,7 @@ class HeldFaces(Compact):
             self.normal[:, mask],
             self.footing[mask],
             self.motion[:, :, mask],
-            self.pressed[mask],
+            self.holds_normal[mask],
             self.along[:, :, mask],
         )
 
@@ -182,12 +182,12 @@ def solid_free_basis(
         nodes = dofs.facet_nodes(asked.nodes)
         if dofs.normal_flow:
             own = held_faces(dofs, asked, footings)
-            pressed = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
-            pressed[own.facets] = own.pressed
-            carried = np.zeros((pressed.size, nodes_of_faces(dofs), len(own.motion)))
+            holds_normal = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
+            holds_normal[own.facets] = own.holds_normal
+            carried = np.zeros((holds_normal.size, nodes_of_faces(dofs), len(own.motion)))
             # Of normals as the mesh has them, out of the first element: of these faces the only.
             carried[own.facets] = np.einsum("xe,sxen->ens", own.normal, own.motion)
-            parts = flowing(dofs, pressed, carried)
+            parts = flowing(dofs, holds_normal, carried)
         else:
             stuck = np.ones(asked.nodes.size, dtype=bool)
             if dofs.space.jumps:

@@ -25,7 +25,7 @@ def same_load(name: str, path: la.Path, copy: la.Path) -> Iterator[Wrong]:
     assert moment is not None
     assert state is not None
     begin, at = (moved_back(own, copy.stage, path.stage) for own in (moment.begin, moment.at))
-    here = replace(moment, begin=begin, at=at, pressed=None, slip=None)
+    here = replace(moment, begin=begin, at=at, normal_reaction=None, slip=None)
     found = flow(path.stage, here, path.settings).state
     if found.status is la.Status.SOLVED:
         load = np.array([state.load_factor])
