@@ -311,7 +311,7 @@ def coulomb_range(
         first, ends = refused, {}
     none = Status.NOT_CERTIFIED if first.status is Status.SOLVED else first.status
     nothing = np.inf if first.status is Status.LOCKED else np.nan
-    si = (bounds[0] * scale, bounds[1] * scale)
+    si = _with_known((bounds[0] * scale, bounds[1] * scale), first)
     if ends:
         si = _about(si, ends[LOW].load_factor, ends[HIGH].load_factor)
     return CoulombRange(
@@ -354,6 +354,13 @@ def _outward(side: float, load_factor: float, first: LimitState) -> float:
     if first.status is not Status.SOLVED:
         return load_factor
     return side * max(side * load_factor, side * first.load_factor)
+
+
+def _with_known(bracket: tuple[float, float], first: LimitState) -> tuple[float, float]:
+    """Bounds with those that the first solve found, where it searched for a state."""
+    if first.bracket is None or first.status not in _SEARCHED:
+        return bracket
+    return max(bracket[0], first.bracket[0]), min(bracket[1], first.bracket[1])
 
 
 def _about(bracket: tuple[float, float], low: float, high: float) -> tuple[float, float]:

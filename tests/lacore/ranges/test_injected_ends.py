@@ -3,7 +3,10 @@
 from dataclasses import replace
 from math import inf
 
+import numpy as np
+
 import lacore as la
+from lacore.ranges import coulomb
 from lacore.ranges.continuum import continuum_range
 from tests.lacore.models import deformable_block
 
@@ -27,3 +30,17 @@ def test_bounds_of_a_polygon_are_none_of_the_continuum():
     found = continuum_range(la.discretise(polygon), "clarabel", {}, None)
     assert (found.lower, found.upper) == (-inf, inf)
     assert len(found.missing) == 2
+
+
+def test_bounds_that_the_first_solve_found_are_kept(monkeypatch):
+    """A search whose own solves of the two problems fail knows what the loop proved."""
+    problem = la.examples.column(friction=0.3)
+    state = replace(la.solve(problem), status=la.Status.NOT_CERTIFIED, bracket=(0.1, 0.4))
+    monkeypatch.setattr(coulomb, "solve", lambda *args, **more: state)
+    bounds = coulomb.coulomb_bounds
+
+    def failing(*args):
+        return (-np.inf, np.inf), bounds(*args)[1]
+
+    monkeypatch.setattr(coulomb, "coulomb_bounds", failing)
+    assert la.coulomb_range(problem, restarts=0).bracket == (0.1, 0.4)
