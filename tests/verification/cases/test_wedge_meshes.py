@@ -9,7 +9,6 @@ import pytest
 import shapely
 
 import lacore as la
-from lacore.arrays import Floats
 from lacore.meshes.curved import jacobians
 from lacore.paths.ending import Ending
 from lacore_verification.cases import wedge_notch
@@ -21,6 +20,7 @@ from lacore_verification.cases.shared.wedge_meshes import (
     lip_error,
     surface,
 )
+from lacore_verification.cases.wedge_notch import per_depth
 
 ROUND_OFF = 1e-12
 FORCE, LIP, VOLUME = 0.02, 0.03, 1e-6  # required: relative, per depth, relative in a step
@@ -48,7 +48,7 @@ def test_the_first_mesh_has_the_shape_of_the_solution(half_angle: float) -> None
 
 def test_the_force_on_the_first_mesh() -> None:
     """Of one step, which is solved where it begins."""
-    given: dict[str, Any] = {"half_angle": 30.0, "cells": 4, "steps": 40, "scheme": "explicit"}
+    given = stated(30.0, "explicit")
     path = followed(given, 1e-4, 1, 0.0)
     exact = Hill(30).force / 2 * wedge_notch.START
     assert path.history["force"].iloc[0] == pytest.approx(exact, rel=FORCE)
@@ -57,16 +57,25 @@ def test_the_force_on_the_first_mesh() -> None:
 @pytest.mark.slow
 def test_friction_is_certified_in_each_step() -> None:
     """Forces per depth lie between those without friction and with a wedge that sticks."""
-    given: dict[str, Any] = {"half_angle": 45.0, "cells": 4, "steps": 40, "scheme": "leapfrog"}
+    given = stated(45.0, "leapfrog")
     smooth, sticking = (per_depth(followed(given, 1e-4, 1, own)) for own in (0.0, la.STICK))
     step = wedge_notch.TRAVEL / given["steps"]
-    some, more = followed(given, 3 * step, 3, 0.1), followed(given, step, 1, 0.3)
+    some, more = (followed(given, 3 * step, 3, own) for own in (0.1, 0.3))
     for path in (some, more):
         assert path.status is Ending.REACHED, path.message
         assert path.history["gap"].max() < 1e-6
     assert smooth.max() < per_depth(some).min()
     assert per_depth(some).max() < per_depth(more).min()
     assert per_depth(more).max() < sticking.min()
+    reading = wedge_notch.path(**{**given, "friction": 0.3}).reading
+    assert reading is not None
+    assert sticking.min() < reading.high * Hill(45).force / 2 < 1.02 * sticking.min()
+
+
+def stated(half_angle: float, scheme: str) -> dict[str, Any]:
+    """Parameters of a smooth wedge."""
+    given = {"half_angle": half_angle, "friction": 0.0, "cells": 4, "steps": 40}
+    return {**given, "scheme": scheme}
 
 
 def followed(
@@ -81,17 +90,12 @@ def followed(
     )
 
 
-def per_depth(path: la.Path) -> Floats:
-    """Forces of all steps."""
-    return np.asarray(path.history["force"] / (wedge_notch.START + path.history["travel"]))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("half_angle", [15.0, 30.0, 45.0])
 def test_a_wedge_four_times_as_deep_as_its_notch(half_angle: float) -> None:
     """Force over the second half of the path, lip and volume of each step."""
-    variants = {own.parameters["half_angle"]: own for own in wedge_notch.CASE.variants}
-    given: dict[str, Any] = dict(variants[half_angle].parameters)
+    given = stated(half_angle, "leapfrog")
+    assert any(own.parameters == given for own in wedge_notch.CASE.variants)
     case, problem = wedge_notch.path(**given), wedge_notch.build(**given)
     path = la.sequential(
         case.problem(problem),

@@ -1,4 +1,4 @@
-r"""A smooth wedge cuts on into a notch, to several times its depth, on meshes along its slip lines.
+r"""A wedge cuts on into a notch, to several times its depth, on meshes along its slip lines.
 
             |      /
          o  |     /  wedge, half angle beta, moves down
@@ -18,12 +18,17 @@ solution, and the vertex at the tip moves along the face. The face of the wedge 
 since the other half of the body has the other face. New meshes keep the area: the edge at the end
 of the contact is divided into a part of the face and a straight edge. Since the velocity jumps at
 the foot of the lip, each step leaves a wall there, to which the flow would be drawn in the next
-steps; a new mesh straightens the last part of the lip.
+steps; a new mesh straightens the last part of the lip. With friction the force is larger, at most
+that of a wedge to which the material sticks. Much friction keeps the cut closed: material at the
+tip moves with the wedge.
 """
 
 from math import cos, nan, radians, sin
 
+import numpy as np
+
 import lacore as la
+from lacore.arrays import Floats
 from lacore_verification.case import Band, Case, Reference, Variant
 from lacore_verification.case.following import Following, Reading, last_load
 from lacore_verification.cases.shared.wedge_fans import Fan
@@ -32,10 +37,11 @@ from lacore_verification.cases.shared.wedge_meshes import Hill, lip_error
 START, TRAVEL = 0.25, 0.75  # depth of the notch, and how much deeper the wedge moves
 _QUALITY = 0.99  # any distortion calls for a new mesh
 _TURN = 0.005  # error of the force: velocities turn over a row around the end of the contact
+_STICKS = {45.0: 1.6}  # more than the ratio of the forces of a wedge that sticks and a smooth one
 _VOLUME = 0.064  # largest change of volume in a step, times steps^3: the scheme is of order 2
 
 
-def build(half_angle: float, cells: int, steps: int, scheme: str) -> la.Problem:
+def build(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> la.Problem:
     """The right half with the notch and its lip."""
     mesh = _fan(half_angle, cells, steps).first(START)
     return la.Problem(
@@ -52,7 +58,7 @@ def build(half_angle: float, cells: int, steps: int, scheme: str) -> la.Problem:
     )
 
 
-def path(half_angle: float, cells: int, steps: int, scheme: str) -> Following:
+def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> Following:
     """Until the wedge is four times as deep as the notch."""
     beta = radians(half_angle)
     face = la.shapes.plane((0.0, -START), (cos(beta), -sin(beta)))
@@ -61,19 +67,38 @@ def path(half_angle: float, cells: int, steps: int, scheme: str) -> Following:
         steps,
         scheme,
         la.ToolTravel({"wedge": (0.0, -1.0)}),
-        exact=lambda travel: _force(half_angle, travel),
+        exact=(lambda travel: _force(half_angle, travel)) if friction == 0 else None,
         load="force",
         volume=_VOLUME / steps**3,
-        reading=Reading(
-            "largest distance of the lip from the exact one, of the depth,",
-            lambda path: lip_error(path, half_angle),
-            0.0,
-            # A step lifts the material by sin(beta) of its length, up to a vertex of the old lip.
-            2 * sin(beta) * TRAVEL / steps / (START + TRAVEL),
-        ),
-        tools={"wedge": la.Tool(face, ("body", "top"), (0, -1))},
+        reading=_lip(half_angle, steps) if friction == 0 else _ratio(half_angle),
+        tools={"wedge": la.Tool(face, ("body", "top"), (0, -1), friction=friction)},
         remesh=la.Remeshing(quality=_QUALITY, mesher=_fan(half_angle, cells, steps)),
     )
+
+
+def _lip(half_angle: float, steps: int) -> Reading:
+    return Reading(
+        "largest distance of the lip from the exact one, of the depth,",
+        lambda path: lip_error(path, half_angle),
+        0.0,
+        # A step lifts the material by sin(beta) of its length, up to a vertex of the old lip.
+        2 * sin(radians(half_angle)) * TRAVEL / steps / (START + TRAVEL),
+    )
+
+
+def _ratio(half_angle: float) -> Reading:
+    """Between a smooth wedge and one to which the material sticks."""
+    return Reading(
+        "largest force per depth, of that of the smooth wedge,",
+        lambda path: float(per_depth(path).max()) / (Hill(half_angle).force / 2),
+        1.0,
+        _STICKS[half_angle],
+    )
+
+
+def per_depth(path: la.Path) -> Floats:
+    """Forces of all steps, N/m per m."""
+    return np.asarray(path.history["force"] / (START + path.history["travel"]))
 
 
 def _fan(half_angle: float, cells: int, steps: int) -> Fan:
@@ -85,8 +110,16 @@ def _force(half_angle: float, travel: float) -> float:
     return nan if travel < TRAVEL / 2 else Hill(half_angle).force / 2 * (START + travel)
 
 
-def reference(half_angle: float, cells: int, steps: int, scheme: str) -> Reference:
-    """Exact."""
+def reference(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> Reference:
+    """Exact without friction."""
+    if friction > 0:
+        return Reference(
+            nan,
+            "not known; more than without friction, less than if the material sticks",
+            "limit theorems: sticking dissipates no less than friction",
+            "none",
+            complete=False,
+        )
     return Reference(
         _force(half_angle, last_load(TRAVEL, steps, scheme)),
         "p h sin(beta), p = 2k (1 + theta), h = c/(cos(beta) - sin(beta - theta))",
@@ -95,8 +128,12 @@ def reference(half_angle: float, cells: int, steps: int, scheme: str) -> Referen
     )
 
 
-def band(elements: int, half_angle: float, cells: int, steps: int, scheme: str) -> Band:
-    """Of half a step of the depth at half of the travel."""
+def band(
+    elements: int, half_angle: float, friction: float, cells: int, steps: int, scheme: str
+) -> Band:
+    """Of half a step of the depth at half of the travel, without friction."""
+    if friction > 0:
+        return Band(0.0, 0.0, "The load at the end is not known.")
     allowed = TRAVEL / steps / 2 / (START + TRAVEL / 2) + _TURN
     return Band(
         allowed,
@@ -109,7 +146,7 @@ def band(elements: int, half_angle: float, cells: int, steps: int, scheme: str) 
 CASE = Case(
     id="wedge-notch",
     title="Wedge pressed into a notch, on meshes along its slip lines",
-    tags=("continuum", "contact", "path", "closed form", "singular point"),
+    tags=("continuum", "contact", "path", "closed form", "singular point", "Coulomb"),
     unit="force on the half / (k m)",
     explanation=__doc__,
     hand_calculation=f"""\
@@ -129,11 +166,18 @@ beta = 45:  F = {Hill(45).force:.6f} k c
     path=path,
     variants=tuple(
         Variant(
-            f"smooth-{angle:g}",
-            {"half_angle": angle, "cells": 4, "steps": 40, "scheme": "leapfrog"},
+            f"smooth-{angle:g}" if friction == 0 else f"mu-{friction:g}-{angle:g}",
+            {
+                "half_angle": angle,
+                "friction": friction,
+                "cells": 4,
+                "steps": 40,
+                "scheme": "leapfrog",
+            },
             unfit={"regularised": "penalised contact lets the tip sink into the first cells"},
         )
-        for angle in (15.0, 30.0, 45.0)
+        for friction, angles in ((0.0, (15.0, 30.0, 45.0)), (0.1, (45.0,)), (0.3, (45.0,)))
+        for angle in angles
     ),
     on_demand=True,
 )

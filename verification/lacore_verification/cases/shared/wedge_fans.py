@@ -66,6 +66,8 @@ class Fan:
         assert isinstance(body, la.Body)
         assert isinstance(tool, la.BlockAssembly)
         points = surface(body.mesh)
+        while points[SAMPLES, 0] <= _ON * WIDTH * self.step:
+            points = points[SAMPLES:]  # of a cut that friction has kept closed
         points[0] = 0.0, tool.centroid[1, 0]  # the tip, not only as exact as solved
         end, lip = _contact_end(points, self.half_angle)
         return {"body": self._mesh(points[0], end, lip, _area(body.mesh))}
@@ -122,7 +124,8 @@ def _contact_end(points: Floats, half_angle: float) -> tuple[Floats, shapely.Lin
     beta = radians(half_angle)
     face = np.array([sin(beta), cos(beta)])
     away = np.abs((points - points[0]) @ np.array([cos(beta), -sin(beta)]))
-    last = int(np.argmax(away > -_ON * points[0, 1])) - 1
+    off = away[SAMPLES:] > -_ON * points[0, 1]  # friction may keep the edge at the tip off the face
+    last = SAMPLES + int(np.argmax(off)) - 1
     begin = last // SAMPLES * SAMPLES
     edge = points[begin : begin + SAMPLES + 1] - points[begin]
     x, y = edge.T
@@ -147,6 +150,8 @@ def _with_foot(lip: shapely.LineString, length: float) -> tuple[shapely.LineStri
     kept = shapely.get_coordinates(substring(lip, 0.0, _KEPT * length))
     (x0, y0), (x1, y1) = kept[0], kept[-1]
     foot = np.array([x1 + y1 * (x1 - x0) / (y0 - y1), 0.0])
+    if not x1 < foot[0] < WIDTH:
+        raise la.InputError("lip", foot[0], "it does not fall to the surface", "take smaller steps")
     straight = shapely.LineString([*kept, foot]).segmentize(length / _PARTS)
     points = shapely.get_coordinates(straight)
     lack = _area_under(shapely.get_coordinates(lip)) - _area_under(points)
