@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.assembly.unknowns import Unknowns
 from lacore.contact.rows import tangents
 from tests.lacore.bodies.blocks3d.solids import box
 from tests.lacore.models import CRITERION, square
@@ -249,3 +250,64 @@ def test_axisymmetric_contact_has_the_area_and_the_moment_of_a_ring(space):
     assert rows.weights @ d.points.position[:, 0] == pytest.approx(14 * np.pi / 3)
     u = velocity(d, {"b": lambda x: np.stack([0 * x[0], x[0]])})
     assert rows.weights @ rows.opening(u) == pytest.approx(14 * np.pi / 3)
+
+
+def two_assemblies(shift):
+    """A box of 2 x 1 x 1 on another, moved along it; the overlap is 2 - shift long."""
+    bodies = {
+        "low": la.BlockAssembly3D({"a": box((0, 0, 0), (2, 1, 1))}, 0.5),
+        "top": la.BlockAssembly3D({"b": box((shift, 0, 1), (2 + shift, 1, 2))}, 0.5),
+    }
+    return la.Problem(
+        bodies,
+        [la.BodyForce("top", (1, 0, 0))],
+        [la.Fix("low", "a")],
+        [
+            la.Interface(
+                ("top", lambda x: np.abs(x[2] - 1) < 1e-9),
+                ("low", lambda x: np.abs(x[2] - 1) < 1e-9),
+                MU,
+            )
+        ],
+        [la.BodyForce("top", (0, 0, -1))],
+    )
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5, -1.2])
+def test_boxes_touch_where_they_overlap(shift):
+    problem = two_assemblies(shift)
+    d, dofs = la.discretise(problem), Unknowns.of(problem).blocks["top"]
+    rows = d.full.contact
+    length = 2 - abs(shift)
+    middle = 1 + shift / 2
+    assert rows.weights.sum() == pytest.approx(length)
+    assert rows.weights @ d.points.position / length == pytest.approx([middle, 0.5, 1.0])
+    assert np.allclose(d.points.normal, [0, 0, 1])
+    lifted = np.zeros(d.full.n)
+    motion = np.zeros((6, 1))
+    motion[:3, 0] = 0.2, 0.3, 0.5
+    lifted[dofs.offset : dofs.offset + dofs.count] = dofs.unknowns(motion)
+    assert rows.opening(lifted) == pytest.approx(0.5)
+    assert np.linalg.norm(rows.slip(lifted), axis=1) == pytest.approx(np.hypot(0.2, 0.3))
+
+
+def test_a_box_on_a_floor_in_space():
+    body = la.BlockAssembly3D({"a": box((0, 0, 0), (2, 1, 1))}, 0.5)
+    floor = la.RigidObstacle((0, 0, 0), (0, 0, 1))
+
+    def stands(where, obstacle=floor):
+        return la.Problem(
+            {"b": body},
+            [la.BodyForce("b", (1, 0, 0))],
+            interfaces=[la.Interface(("b", where), obstacle, MU)],
+            dead_loads=[la.BodyForce("b", (0, 0, -1))],
+        )
+
+    d = la.discretise(stands(lambda x: np.abs(x[2]) < 1e-9))
+    assert d.full.contact.weights.sum() == pytest.approx(2.0)
+    assert d.full.contact.coefficient == pytest.approx(MU)
+    assert (d.points.moving == [[0, -1]]).all()
+    with pytest.raises(la.InputError):  # the face is 1 above it
+        stands(lambda x: np.abs(x[2] - 1) < 1e-9)
+    with pytest.raises(la.InputError):  # the block is on its other side
+        stands(lambda x: np.abs(x[2]) < 1e-9, la.RigidObstacle((0, 0, 0), (0, 0, -1)))

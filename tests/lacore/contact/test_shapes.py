@@ -111,3 +111,27 @@ def test_arcs_of_a_drawing_become_chords(tmp_path):
 def test_drawings_that_are_no_outline(tmp_path, rings, given, said):
     with pytest.raises(InputError, match=said):
         la.shapes.read_outline(drawn(tmp_path, *rings), **given)
+
+
+def test_references_of_shapes():
+    """The point that the velocity of a tool moves: centre, tip, centroid of the area."""
+    assert la.shapes.disc((0.5, 0.2), 1.5).reference == (0.5, 0.2)
+    assert la.shapes.wedge((0.3, -0.2), 30).reference == (0.3, -0.2)
+    assert la.shapes.outline([(0, 0), (3, 0), (0, 3)]).reference == pytest.approx((1.0, 1.0))
+    plane = la.shapes.plane((0, 1), (0, -2))
+    assert plane.distance(np.array([[5.0, 5.0], [0.0, 3.0]])) == pytest.approx([1.0, -2.0])
+
+
+def test_sharp_corners_stand_out_or_are_surrounded():
+    """Of a letter L five corners stand out and one is between its arms, of 1 and 2 m."""
+    letter = la.shapes.outline([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)])
+    assert letter.corners.shape == (2, 5)
+    assert not np.any(np.all(letter.corners.T == (1, 1), axis=1))
+    (inner,) = letter.inner
+    assert inner.place.tolist() == [1, 1]
+    assert inner.reach == 2
+    assert inner.normals.T.tolist() == [[0, 1], [1, 0]]
+    rounded = la.shapes.outline(
+        [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)], [0, 0, 0, 0.2, 0, 0]
+    )
+    assert rounded.inner == []

@@ -328,3 +328,57 @@ def test_what_has_no_layer_says_so(criterion, kinematics, why):
     assert not form.opens
     with pytest.raises(InputError, match=why):
         form.across()
+
+
+@pytest.mark.parametrize("kinematics", ["plane_strain", "axisymmetric"])
+@pytest.mark.parametrize("dilation", [None, 10.0])
+def test_angles_of_elements_make_the_form_of_each(kinematics, dilation):
+    """Elements of 20 and 35 degrees have the surfaces, and the flow, of soils of these angles."""
+    angles, cohesion = np.array([20.0, 35.0]), np.array([1.0, 0.4])
+    flow = None if dilation is None else np.full(2, dilation)
+    for kind in (la.MohrCoulomb, lambda *given, **more: la.DruckerPrager(*given, **more)):
+        varied = kind(1.0, 30.0).form_of(kinematics, angles, cohesion, flow)
+        own = varied.surfaces_of(np.arange(2))
+        for element in range(2):
+            single = kind(cohesion[element], angles[element], dilation_angle=dilation)
+            one = single.conic_form(kinematics).surfaces_of(np.zeros(1, dtype=int))
+            assert own.slope[element] == pytest.approx(one.slope[0])
+            assert own.strength[element] == pytest.approx(one.strength[0])
+            if dilation is not None:
+                assert own.flow[element] == pytest.approx(one.flow[0])
+            else:
+                assert own.flow is one.flow is None
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.5])
+def test_angles_of_elements_are_weakened_one_by_one(factor):
+    soil = la.MohrCoulomb(1.0, [20.0, 35.0], dilation_angle=[5.0, 34.0]).weakened(factor)
+    tangents = np.tan(np.radians(soil.friction_angle.values))
+    assert tangents == pytest.approx(np.tan(np.radians([20.0, 35.0])) / factor)
+    most = np.minimum([5.0, 34.0], soil.friction_angle.values)
+    assert soil.dilation_angle.values == pytest.approx(most)
+    with pytest.raises(InputError, match="a function of place"):
+        la.MohrCoulomb(1.0, lambda x: 30 + x[1]).weakened(factor)
+
+
+def test_strengths_that_vary_are_those_of_the_points():
+    """A cohesion of y, times cos(phi), at heights 1 and 3 of two elements."""
+    soil = la.MohrCoulomb(lambda x: x[1], 30.0, crushing=8.0)
+    form = soil.conic_form("plane_strain")
+    assert form.varies
+    assert not form.uniform
+    places = np.array([[0.0, 0.0], [1.0, 3.0]])
+    own = form.at_points(np.array([0, 1]), lambda field: field.at(places, "cohesion"))
+    assert not own.varies
+    surfaces = own.surfaces_of(np.arange(2))
+    assert surfaces.strength[:, 0] == pytest.approx(np.array([1.0, 3.0]) * cos(radians(30)))
+    assert surfaces.strength[:, 1] == pytest.approx(8.0)
+    assert surfaces.slope[:, 0, 0] == pytest.approx(0.5)
+
+
+def test_friction_is_divided_by_a_factor_of_safety():
+    assert la.Tresca(0.6).divided(2.0) == la.Tresca(0.3)
+    assert la.SMOOTH.divided(2.0) == la.SMOOTH
+    assert la.BOND.divided(2.0) is la.BOND
+    assert la.BOND.terms().limit == np.inf
+    assert la.Coulomb(0.5, adhesion=0.4, tension=0.8).divided(2.0).tension == pytest.approx(0.4)
