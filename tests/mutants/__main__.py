@@ -1,8 +1,9 @@
 """Inject errors into a copy of the tree and report which of them the fast tests do not notice.
 
 Each error is injected alone, and the fast tests of its package run until the first failure. Tests
-that do not end count as a failure. Finished errors are recorded, and a second run continues with
-the others; an error that was not noticed runs again when tests of its package have changed.
+that do not end count as a failure. An error is reported as FAILING if its tests fail without it.
+Finished errors are recorded, and a second run continues with the others; an error that was not
+noticed runs again when tests of its package have changed.
 """
 
 import argparse
@@ -27,7 +28,7 @@ _COPIED_NOT = shutil.ignore_patterns(
 )
 _LEAST_LIMIT, _SLOWER = 60.0, 4.0  # s, and times what the tests take without an error
 _FAILED, _INTERRUPTED = 1, 2  # exit codes of pytest: of a test, and of an import
-NOTICED, ENDLESS, MISSED = "noticed", "time limit", "NOT NOTICED"
+NOTICED, ENDLESS, MISSED, FAILING = "noticed", "time limit", "NOT NOTICED", "FAILING"
 
 
 @dataclass
@@ -35,12 +36,15 @@ class Copy:
     """A copy of the tree, in which one file at a time has an error."""
 
     root: Path
-    seconds: dict[tuple[str, ...], float] = field(default_factory=dict)
+    seconds: dict[tuple[str, ...], float | None] = field(default_factory=dict)
     writes: int = 0
 
     def outcome(self, mutant: Mutant) -> tuple[str, float]:
         """Return what the tests make of an error, and the time that they take, s."""
-        limit = max(_LEAST_LIMIT, _SLOWER * self._without_error(mutant.tests))
+        without = self._without_error(mutant.tests)
+        if without is None:
+            return FAILING, 0.0
+        limit = max(_LEAST_LIMIT, _SLOWER * without)
         original = (self.root / mutant.path).read_bytes()
         self._write(mutant.path, mutant.source)
         try:
@@ -51,12 +55,11 @@ class Copy:
             raise SystemExit(f"pytest ended with exit code {code} for {mutant}")
         return {0: MISSED, None: ENDLESS}.get(code, NOTICED), seconds
 
-    def _without_error(self, tests: tuple[str, ...]) -> float:
+    def _without_error(self, tests: tuple[str, ...]) -> float | None:
+        """Return the time of tests without an error, s; None where they fail, and prove nothing."""
         if tests not in self.seconds:
             code, seconds = self._run(tests, None)
-            if code != 0:
-                raise SystemExit(f"{' '.join(tests)}: fails without any error; fix this first")
-            self.seconds[tests] = seconds
+            self.seconds[tests] = seconds if code == 0 else None
         return self.seconds[tests]
 
     def _write(self, path: Path, source: bytes) -> None:
@@ -121,8 +124,9 @@ def judged(mutants: Sequence[Mutant], records: Path) -> Iterator[tuple[Mutant, s
                 continue
             found, seconds = copy.outcome(mutant)
             row = {"key": mutant.key, "outcome": found, "tests": tests, "error": str(mutant)}
-            file.write(json.dumps(row) + "\n")
-            file.flush()
+            if found != FAILING:
+                file.write(json.dumps(row) + "\n")
+                file.flush()
             yield mutant, found, seconds
 
 
@@ -144,7 +148,7 @@ def main() -> int:
     possible = [own for own in mutants if not own.equivalent]
     for mutant, found, seconds in judged(possible, given.records):
         print(f"{found:11}  {seconds:5.0f} s  {mutant}", flush=True)
-        missed += [mutant] if found == MISSED else []
+        missed += [mutant] if found in (MISSED, FAILING) else []
     print(f"{len(possible) - len(missed)} of {len(possible)} errors are noticed;", end=" ")
     print(f"{len(mutants) - len(possible)} cannot be noticed and were not run")
     print(*(f"not noticed: {mutant}" for mutant in missed), sep="\n")
