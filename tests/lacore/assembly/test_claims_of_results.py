@@ -32,7 +32,7 @@ def test_of_a_mesh_the_rigour_says_it_all(rigor):
 
 
 def test_blocks_have_no_mesh():
-    """Their load factor is exact with associated friction, and with Coulomb friction one of many."""
+    """Their load factor is exact with associated friction; by Coulomb friction it is not."""
     for rigor in (Rigor.UPPER, Rigor.LOWER, Rigor.DISCRETE):
         scope, claim = claimed(block(la.Coulomb(0.3, associated=True)), rigor)
         assert scope is Scope.ITSELF
