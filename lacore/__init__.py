@@ -15,7 +15,15 @@ __version__ = "0.4.0"
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
+_RENAMED = {"CoulombRange": "LoadFactorRange", "SoilRange": "LoadFactorRange"}
+
+
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        from warnings import warn
+
+        warn(f"lacore.{name} is now lacore.{_RENAMED[name]}", DeprecationWarning, stacklevel=2)
+        return _public(_RENAMED[name])
     if name in __all__ or name.startswith("_"):
         return _public(name)
     from lacore.errors import suggest

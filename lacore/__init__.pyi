@@ -102,11 +102,10 @@ from .questions.stable import stable as stable
 from .questions.thickness import limit_thickness as limit_thickness
 from .questions.yield_surface.envelope import Envelope as Envelope
 from .questions.yield_surface.envelope import envelope as envelope
-from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
+from .ranges.load_factors import LoadFactorRange as LoadFactorRange
 from .ranges.safety import SafetyFactor as SafetyFactor
 from .ranges.safety import safety_factor as safety_factor
-from .ranges.soil import SoilRange as SoilRange
 from .ranges.soil import soil_range as soil_range
 from .solvers.isolation import SolverProcess as SolverProcess
 from .solvers.registry import backend_names as backend_names

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,8 +13,7 @@ import pandas as pd
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.backend import read_options
-from lacore.claims.judged import Ray
+from lacore.backend import Backend, read_options
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.run import Coupled
@@ -30,172 +29,24 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
-from lacore.ranges.told import residuals, short
+from lacore.ranges.load_factors import (
+    LoadFactorRange,
+    NoState,
+    RangeKind,
+    SearchRecord,
+    about,
+    range_of,
+)
 from lacore.reporting import terms
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.reporting.text import PYTHON, Reader, text
-from lacore.showing import Facts, Picture, Shown, counted, listed
+from lacore.reporting.text import text
+from lacore.showing import listed
 from lacore.solvers.compilation import SolveClock
-from lacore.status import Reported, Scope, Status
+from lacore.status import Scope, Status
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
 _COLUMNS = ["restart", "origin", "low", "high", "low_end", "high_end", "residual", "solves"]
-_CLOSE = 1e-6  # relative: a load factor this close to a bound has reached it
-
-
-@dataclass(frozen=True, repr=False)
-class CoulombRange(Reported, Shown):
-    """The lowest and the highest Coulomb load factor found, in SI units.
-
-    Each is proven to be one, by its certificate. That there is none lower or higher is proven only
-    by `bracket`, where they reach it; otherwise it is merely what the search found. Where bodies
-    deform all this is said of the discrete problem (`scope`), whose load factors lie above those of
-    the continuum as a rule; of the continuum `continuum` is proven.
-
-    Attributes:
-        status: SOLVED where states were found; else what `solve` says of the problem.
-        lowest, highest: their states; None where none was found. Of a mechanism that carries any
-            load factor (`high` = inf) `highest` is a state with a large one.
-        low, high: their load factors; NaN where nothing is certified, +inf of a LOCKED problem.
-        scope: of which problem the load factors, `bracket` and what reaches it are.
-        bracket: proven bounds of every Coulomb load factor of that problem, frictionless and
-            associated (T14); -inf and inf where there is none.
-        continuum: proven bounds of every Coulomb load factor of the continuum: a strict lower bound
-            of the problem without Coulomb friction, a strict upper bound of that with associated
-            friction; -inf and inf where there is none. `bracket` where nothing is discretised.
-        unbounded: Why the continuum has no bound; empty where it has both.
-        states: one row a certified state: restart, origin (of what reactions it settled: of the
-            ``certified`` state of `solve`, the ``associated`` one, a ``continuation`` in friction,
-            the ``low end`` or ``high end`` of the state before; or at the end of a central ``path``
-            of blocks in space), low and high load factor of its mechanism, what each end is worth
-            (`EndStatus`), the largest residual of both ends, inner solves so far.
-        backend: name.
-        seed, restarts: of the search.
-        solves: inner solves of the search.
-        solve_time: s, wall clock, without the compilation of the backend.
-        findings: What else there is to report; `message` is their text.
-        stop: Why the search ended before its restarts did; None where it did not.
-        ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
-    """
-
-    status: Status
-    lowest: LimitState | None
-    highest: LimitState | None
-    low: float
-    high: float
-    scope: Scope
-    bracket: tuple[float, float]
-    continuum: tuple[float, float]
-    unbounded: tuple[Finding, ...]
-    states: pd.DataFrame
-    backend: str
-    seed: int
-    restarts: int
-    solves: int
-    solve_time: float
-    findings: tuple[Finding, ...]
-    stop: Finding | None = None
-    ray: Ray | None = None
-
-    @property
-    def missing(self) -> str:
-        """Text of `unbounded`: why the continuum has no bound; empty where it has both."""
-        return texts(self.unbounded)
-
-    @property
-    def stopped(self) -> str:
-        """Text of `stop`: why the search ended before its restarts did; empty where it did not."""
-        return str(self.stop or "")
-
-    @property
-    def lowest_proven(self) -> bool:
-        """Whether there is proven to be no lower Coulomb load factor of the problem of `scope`."""
-        return _reached(self.low, self.bracket[0])
-
-    @property
-    def highest_proven(self) -> bool:
-        """Whether there is proven to be no higher Coulomb load factor of the problem of `scope`."""
-        return _reached(self.high, self.bracket[1])
-
-    def facts(self) -> Facts:
-        """What was found, and what of it is proven; `summary` has the whole."""
-        return self.facts_for(PYTHON)
-
-    def facts_for(self, reader: Reader) -> Facts:
-        """Return the facts for a reader."""
-        found = f"{self.low:.7g} to {self.high:.7g}{self.scope.phrase}"
-        if self.lowest is None or self.highest is None:
-            found = "none is certified"
-        below, above = self.bracket
-        proven = f"every one is in [{below:.7g}, {above:.7g}]"
-        if self.scope is Scope.DISCRETE:
-            below, above = self.continuum
-            proven += f", those of the continuum in [{below:.7g}, {above:.7g}]"
-        told = {"status": self.report.summary_for(reader), "proven": proven}
-        told |= residuals(self.lowest, self.highest)
-        told |= {} if self.ray is None else {"proof": str(self.ray)}
-        told["solved by"] = (
-            f"{self.backend}: {counted(len(self.states), 'state')} in"
-            f" {counted(self.solves, 'solve')}, {self.solve_time:.3g} s"
-        )
-        if self.lowest is not None:
-            told["size"] = self.lowest.discretisation.contents
-        told |= {"stopped": self.stopped} if self.stopped else {}
-        title = f"Coulomb load factors {found}{short(self.stopped)}"
-        return Facts(title, told, "CoulombRange")
-
-    def picture(self) -> Picture | None:
-        """The mechanism of the lowest load factor."""
-        if self.lowest is None:
-            return None
-        return Picture(self.lowest.plot(), "the mechanism with the lowest load factor")
-
-    def summary(self) -> str:
-        """What was found, and what of it is proven, as plain text."""
-        of = self.scope.phrase
-        lines = [f"Coulomb load factors{of}: {self.low:.6g} to {self.high:.6g}"]
-        if self.lowest is None or self.highest is None:
-            lines = [f"no certified Coulomb load factor{of}: {self.message}"]
-        if self.scope is Scope.DISCRETE:
-            below, above = self.continuum
-            lines.append(
-                f"  proven of the continuum: every one lies in [{below:.6g}, {above:.6g}]"
-                f" (lower bound frictionless, upper bound associated)"
-            )
-            if self.missing:
-                lines.append(f"  of the continuum {self.missing}")
-        below, above = self.bracket
-        lines.append(
-            f"  proven{of}: every one lies in [{below:.6g}, {above:.6g}] (frictionless, associated)"
-        )
-        for name, value, state, proven in (
-            ("lowest", self.low, self.lowest, self.lowest_proven),
-            ("highest", self.high, self.highest, self.highest_proven),
-        ):
-            if state is None or state.certificate is None:
-                continue
-            residual, size = state.certificate.worst
-            worst = f"(largest residual {size:.1e}, {residual})"
-            other = "lower" if name == "lowest" else "higher"
-            if np.isinf(value):
-                lines.append(f"  proven{of}: a mechanism carries any higher one {worst}")
-                continue
-            lines.append(f"  proven{of}: {value:.6g} is one, by its certificate {worst}")
-            if proven:
-                lines.append(f"  proven{of}: none is {other}, it reaches its bound")
-            else:
-                lines.append(f"  found, not proven{of}: that none is {other}")
-        lines.append(
-            f"  {len(self.states)} certified states in {self.solves} solves by {self.backend},"
-            f" {self.restarts} restarts, seed {self.seed}, {self.solve_time:.1f} s"
-        )
-        if self.stopped:
-            lines.append(f"  stopped {self.stopped}: others may be further out")
-        return "\n".join(lines)
-
-    def __str__(self) -> str:
-        return self.summary()
 
 
 @typed()
@@ -210,8 +61,14 @@ def coulomb_range(
     time_limit: float = 600.0,
     options: Mapping[str, Any] | None = None,
     on_progress: Callable[[Mapping[str, Any]], None] | None = None,
-) -> CoulombRange:
+) -> LoadFactorRange:
     """Search for the lowest and the highest Coulomb load factor (T14b).
+
+    A row of `LoadFactorRange.states` is a certified state: its ``restart``, its ``origin`` (of what
+    reactions it settled: of the ``certified`` state of `solve`, the ``associated`` one, a
+    ``continuation`` in friction, the ``low end`` or ``high end`` of the state before; or at the end
+    of a central ``path`` of blocks in space), ``low`` and ``high`` load factor of its mechanism,
+    what each end proves (`EndStatus`), the largest ``residual`` of both ends, ``solves`` so far.
 
     Args:
         problem: the problem, or its discretisation.
@@ -245,6 +102,43 @@ def coulomb_range(
     begin, clock = time.perf_counter(), SolveClock()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
+    _check_flow(problem)
+    continuum = None
+    if problem.scope is Scope.DISCRETE:
+        continuum = continuum_range(problem, backend, options or {}, target_width)
+    first = solve(problem, backend, CERTIFIED, tolerance=tolerance, options=options)
+    problem = first.discretisation  # with the nodes where members under line loads hinge
+    limits = _Limits(seed, restarts, tolerance, time_limit, begin + time_limit)
+    found = _searched(first, engine, read_options(engine, options or {}), limits, on_progress)
+    ends = _ends(found, first, backend, options or {}, tolerance, clock)
+    refused = [end for end in ends if end.status is not Status.SOLVED]
+    first, ends = (refused[0], []) if refused else (first, ends)
+    bracket = _with_known(found.bracket, first)
+    if ends:
+        bracket = about(bracket, ends[0].load_factor, ends[-1].load_factor)
+    return range_of(
+        ends,
+        _without(first),
+        SearchRecord(
+            kind=RangeKind.COULOMB,
+            scope=problem.scope,
+            bracket=bracket,
+            states=pd.DataFrame(found.rows, columns=_COLUMNS),
+            certified=len(found.rows),
+            backend=backend,
+            tolerance=tolerance,
+            settings={"restarts": restarts, "seed": seed},
+            solves=found.solves + len(first.history) + 2,
+            solve_time=clock.seconds,
+            stop=found.stop,
+            continuum=None if continuum is None else (continuum.lower, continuum.upper),
+            unbounded=() if continuum is None else continuum.missing,
+        ),
+    )
+
+
+def _check_flow(problem: Discretisation) -> None:
+    """Raise `InputError` where the flow of a soil is not associated."""
     if problem.program.frictional:
         raise InputError(
             "problem",
@@ -252,14 +146,48 @@ def coulomb_range(
             "flow of a soil is not associated: what it carries is looked for in other ways",
             text("take {}", terms.SOIL_RANGE),
         )
-    continuum = None
-    if problem.scope is Scope.DISCRETE:
-        continuum = continuum_range(problem, backend, options or {}, target_width)
-    given: dict[str, Any] = {"backend": backend, "tolerance": tolerance, "options": options}
-    first = solve(problem, coupling=CERTIFIED, **given)
-    problem = first.discretisation  # with the nodes where members under line loads hinge
-    program = dimensionless(problem.program, problem.natural)
-    scale = problem.natural.load_factor
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """How far a search goes; `end` is that of `time.perf_counter`."""
+
+    seed: int
+    restarts: int
+    tolerance: float
+    time_limit: float
+    end: float
+
+
+@dataclass(frozen=True)
+class _Mechanisms:
+    """What a search has found.
+
+    Attributes:
+        best: the mechanism that reaches furthest on each side.
+        bracket: proven bounds of all load factors (T14), SI units.
+        rows: one a certified state.
+        solves: inner solves.
+        stop: why it ended early; None where it did not.
+    """
+
+    best: Mapping[float, CertifiedMechanism]
+    bracket: tuple[float, float]
+    rows: list[dict[str, Any]]
+    solves: int
+    stop: Finding | None
+
+
+def _searched(
+    first: LimitState,
+    engine: Backend,
+    settings: Any,
+    limits: _Limits,
+    on_progress: Callable[[Mapping[str, Any]], None] | None,
+) -> _Mechanisms:
+    """Search from the state that `solve` has found, and from associated reactions."""
+    problem, tolerance = first.discretisation, limits.tolerance
+    program, scale = dimensionless(problem.program, problem.natural), problem.natural.load_factor
     rows: list[dict[str, Any]] = []
     stop = None
 
@@ -268,11 +196,8 @@ def coulomb_range(
         if on_progress is not None:
             on_progress(rows[-1])
 
-    with ExitStack() as stack:
-        settings = read_options(engine, options or {})
-        prepare = preparing(engine, settings, good_for(tolerance))
-        solver = prepare(program)
-        stack.callback(solver.close)
+    prepare = preparing(engine, settings, good_for(tolerance))
+    with closing(prepare(program)) as solver:
         bounds, admissible = coulomb_bounds(program, solver, tolerance)
         if first.status is Status.UNSAFE:
             bounds = (-np.inf, np.inf)  # of none, whatever a locked program says
@@ -284,56 +209,57 @@ def coulomb_range(
             prepare=prepare,
             tolerance=tolerance,
             bounds=bounds,
-            rng=np.random.default_rng(seed),
+            rng=np.random.default_rng(limits.seed),
             on_found=note,
-            on_solve=until(begin + time_limit),
-            seconds=lambda: min(settings.time_limit, begin + time_limit - time.perf_counter()),
+            on_solve=until(limits.end),
+            seconds=lambda: min(settings.time_limit, limits.end - time.perf_counter()),
         )
         known = None if first.point is None else point_in_program(problem, first.point)
         start = known if admissible is None else admissible
         if first.status in _SEARCHED and start is not None:
+            certified = known if first.status is Status.SOLVED else None
             try:
-                search.run(known if first.status is Status.SOLVED else None, start, restarts)
+                search.run(certified, start, limits.restarts)
             except OutOfTime:
-                done = rows[-1]["restart"] if rows else 0
-                values = {"limit": float(time_limit), "done": done, "every": restarts}
-                stop = Finding(Kind.STOPPED_IN_RESTART, values=values)
-    ends = {}
-    for side, found in search.best.items():
-        end = found.end(side)
-        last = replace(found.iterates[-1], state=end.point, certificate=end.certificate)
-        coupled = Coupled(Status.SOLVED, found.iterates, last, tolerance=tolerance)
+                stop = _out_of_time(limits, rows)
+    bracket = bounds[0] * scale, bounds[1] * scale
+    return _Mechanisms(search.best, bracket, rows, search.solves, stop)
+
+
+def _out_of_time(limits: _Limits, rows: list[dict[str, Any]]) -> Finding:
+    done = rows[-1]["restart"] if rows else 0
+    values = {"limit": float(limits.time_limit), "done": done, "every": limits.restarts}
+    return Finding(Kind.STOPPED_IN_RESTART, values=values)
+
+
+def _ends(
+    found: _Mechanisms,
+    first: LimitState,
+    backend: str,
+    options: Mapping[str, Any],
+    tolerance: float,
+    clock: SolveClock,
+) -> list[LimitState]:
+    """Return the lowest and the highest state, judged; empty where nothing is certified."""
+    problem = first.discretisation
+    program, scale = dimensionless(problem.program, problem.natural), problem.natural.load_factor
+    ends = []
+    for side in (LOW, HIGH) if found.best else ():
+        own = found.best[side]
+        end = own.end(side)
+        last = replace(own.iterates[-1], state=end.point, certificate=end.certificate)
+        coupled = Coupled(Status.SOLVED, own.iterates, last, tolerance=tolerance)
         times = Times(first.build_time, clock.seconds)
         outcome = outcome_of(problem, program, coupled, CERTIFIED, times)
         load_factor = _outward(side, end.load_factor * scale, first)
-        ends[side] = limit_state(outcome, backend, options or {}, load_factor)
-    for refused in [state for state in ends.values() if state.status is not Status.SOLVED][:1]:
-        first, ends = refused, {}
-    none = Status.NOT_CERTIFIED if first.status is Status.SOLVED else first.status
-    nothing = np.inf if first.status is Status.LOCKED else np.nan
-    si = _with_known((bounds[0] * scale, bounds[1] * scale), first)
-    if ends:
-        si = _about(si, ends[LOW].load_factor, ends[HIGH].load_factor)
-    return CoulombRange(
-        status=Status.SOLVED if ends else none,
-        lowest=ends.get(LOW),
-        highest=ends.get(HIGH),
-        low=ends[LOW].load_factor if ends else nothing,
-        high=ends[HIGH].load_factor if ends else nothing,
-        scope=problem.scope,
-        bracket=si,
-        continuum=si if continuum is None else (continuum.lower, continuum.upper),
-        unbounded=() if continuum is None else continuum.missing,
-        states=pd.DataFrame(rows, columns=_COLUMNS),
-        backend=backend,
-        seed=seed,
-        restarts=restarts,
-        solves=search.solves + len(first.history) + 2,
-        solve_time=clock.seconds,
-        findings=first.findings,
-        stop=stop,
-        ray=None if ends else first.ray,
-    )
+        ends.append(limit_state(outcome, backend, options, load_factor))
+    return ends
+
+
+def _without(first: LimitState) -> NoState:
+    """Return what is reported where nothing is certified."""
+    solved = first.status is Status.SOLVED
+    return NoState(Status.NOT_CERTIFIED if solved else first.status, first.findings, first.ray)
 
 
 def _row(found: CertifiedMechanism, scale: float) -> dict[str, Any]:
@@ -361,22 +287,3 @@ def _with_known(bracket: tuple[float, float], first: LimitState) -> tuple[float,
     if first.bracket is None or first.status not in _SEARCHED:
         return bracket
     return max(bracket[0], first.bracket[0]), min(bracket[1], first.bracket[1])
-
-
-def _about(bracket: tuple[float, float], low: float, high: float) -> tuple[float, float]:
-    """Bounds that certified load factors stick out of by round-off moved to them."""
-    below, above = bracket
-    sizes = [abs(value) for value in (below, above, low, high) if np.isfinite(value)]
-    slack = _CLOSE * max(sizes)
-    if below - slack <= low < below:
-        below = low
-    if above < high <= above + slack:
-        above = high
-    return below, above
-
-
-def _reached(value: float, bound: float) -> bool:
-    """Whether a load factor is at a bound; both may be infinite."""
-    if not (np.isfinite(value) and np.isfinite(bound)):
-        return value == bound
-    return abs(value - bound) <= _CLOSE * max(abs(value), abs(bound))

@@ -247,7 +247,7 @@ def results():
     made += [la.coulomb_range(deformable_block(0.3, b=1.0), restarts=0)]
     made += answers()
     made += [pressed(steps=1), pressed(steps=1, billet=quad_billet)]
-    path, spread = made[-2], next(own for own in made if isinstance(own, la.CoulombRange))
+    path, spread = made[-2], next(own for own in made if isinstance(own, la.LoadFactorRange))
     bracket = next(own for own in reversed(made) if isinstance(own, la.Bracket))
     other += [replace(bracket, status=ending, failures=TOLD) for ending in BracketEnding]
     other += [replace(path, status=ending, findings=TOLD) for ending in PathEnding]

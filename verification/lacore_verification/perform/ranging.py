@@ -50,7 +50,7 @@ def run_range(
         davis=found.davis,
         gap=evidence.residuals.get("gap", nan),
         status=found.status.label,
-        outer_iterations=float(found.states["solves"].sum()),
+        outer_iterations=float(found.solves),
         solve_time=found.solve_time,
         peak_memory_mb=memory(),
         message=found.message,
@@ -59,7 +59,7 @@ def run_range(
     return Outcome(run, replace(row, verdict=verdict, why=why), evidence)
 
 
-def _evidence(found: la.SoilRange, lowest: la.LimitState, highest: la.LimitState) -> Evidence:
+def _evidence(found: la.LoadFactorRange, lowest: la.LimitState, highest: la.LimitState) -> Evidence:
     """Of each residual the larger one of both ends; one record a search."""
     assert lowest.certificate is not None
     assert highest.certificate is not None

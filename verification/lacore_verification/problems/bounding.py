@@ -57,7 +57,7 @@ def _safety(given: Given) -> la.SafetyFactor:
     return la.safety_factor(given.problem, interfaces=own.interfaces, backend=own.backend)
 
 
-def _range_said(found: la.CoulombRange | la.SoilRange, units: Units) -> str:
+def _range_said(found: la.LoadFactorRange, units: Units) -> str:
     return found.facts_for(Reader(units, files=True)).title
 
 
@@ -66,7 +66,7 @@ def _safety_said(found: la.SafetyFactor, units: Units) -> str:
     return "; ".join(filter(None, (ends, texts(found.findings, Reader(units, files=True)))))
 
 
-def _range(given: Given) -> la.CoulombRange | la.SoilRange:
+def _range(given: Given) -> la.LoadFactorRange:
     problem, backend = given.problem, given.question.backend
     if _is_soil(problem):
         return la.soil_range(problem, backend, on_progress=_found_so_far(given, "load_factor"))
