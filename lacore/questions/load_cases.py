@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,15 +19,19 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.conditions.loads import Load
 from lacore.errors import InputError, require_count, require_width, typed
+from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
+from lacore.numerics.threads import each
 from lacore.problem.problem import Problem
-from lacore.questions.sharing import solved
 from lacore.questions.worth import proven, worth
 from lacore.reporting.findings import Finding, Severity, texts
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON
 from lacore.showing import Facts, Picture, Shown, counted, listed
+from lacore.solvers.isolation import SolverProcess
 from lacore.status import Rigor, Status
+
+Told = Callable[[int, LimitState], None]
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -133,7 +138,7 @@ def load_cases(
 ) -> LoadCases:
     """Load factors of a structure under several loads, in one table.
 
-    All cases are stated and assembled before the first is solved; one that then has no certified
+    All cases are stated and assembled before the first is _solved; one that then has no certified
     load factor is named, and stops no other.
 
     Args:
@@ -144,7 +149,7 @@ def load_cases(
         coupling: of states, see `lacore.solve`.
         target_width: of a `lacore.bracket` of each case; None: the state of `lacore.solve`.
         options: of the backend, for states.
-        workers: cases solved at a time, of states.
+        workers: cases _solved at a time, of states.
         on_case: called with the name of each case as it ends, for progress.
 
     Raises:
@@ -168,7 +173,7 @@ def load_cases(
     results: dict[str, LimitState | Bracket] = {}
     if target_width is None:
         given = {"backend": backend, "coupling": coupling, "options": options}
-        states = solved(list(stated.values()), given, workers, lambda k, _: tell(names[k]))
+        states = _solved(list(stated.values()), given, workers, lambda k, _: tell(names[k]))
         results = dict(zip(names, states, strict=True))
         rows = [_of_state(name, state) for name, state in zip(names, states, strict=True)]
     else:
@@ -264,3 +269,50 @@ def _sure(table: pd.DataFrame) -> bool:
         return False
     least, others = table[table["governs"]].iloc[0], table[~table["governs"]]
     return bool((others["lower"] >= least["upper"]).all())
+
+
+def _solved(
+    problems: Sequence[Discretisation],
+    given: Mapping[str, Any],
+    workers: int = 1,
+    on_state: Told | None = None,
+) -> list[LimitState]:
+    """The limit states of problems, in their order.
+
+    Args:
+        problems: assembled ones.
+        given: what `lacore.solve` is given besides.
+        workers: how many are solved at a time, each by a process of its own. Threads wait for them:
+            so problems need not be pickled, and scripts no guard.
+        on_state: called with the number and the state of each as it ends.
+
+    Raises:
+        InputError: `workers` is no positive whole number; what `lacore.solve` refuses.
+        CapabilityError: see `lacore.solve`.
+    """
+    require_count("workers", workers)
+    tell = on_state or (lambda number, state: None)
+    count = min(workers, len(problems))
+    processes = [SolverProcess() for _ in range(count)] if count > 1 else []
+    idle: SimpleQueue[SolverProcess | None] = SimpleQueue()
+    for process in processes:
+        idle.put(process)
+    if not processes:
+        idle.put(None)  # as `lacore.solvers.registry.load_backend` decides
+
+    def one(problem: Discretisation) -> LimitState:
+        process = idle.get()
+        try:
+            return solve(problem, process=process, **given)
+        finally:
+            idle.put(process)
+
+    found: list[LimitState] = []
+    try:
+        for number, state in enumerate(each(one, problems, count)):
+            found.append(state)
+            tell(number, state)
+    finally:
+        for process in processes:
+            process.close()
+    return found

@@ -148,7 +148,7 @@ def test_what_cannot_be_drawn_is_counted():
     data = pd.DataFrame(
         {"backend": "a", "n_elements": [10, 20, 30, 40], "error": [-0.1, 0.0, nan, inf]}
     )
-    chart = axes.refinement(data, FITS)
+    chart = axes.fitted(data, FITS, axes.ELEMENTS, ERROR)
     assert len(chart.tips) == 1
     assert chart.tips[0].y == pytest.approx(0.1)
     assert "3 points cannot be drawn" in chart.summary

@@ -89,10 +89,9 @@ def curves(
     return Chart(figure, _summary(shown, x, y, by, left_out), tips)
 
 
-def scatter(
-    data: pd.DataFrame, x: Axis, y: Axis, *, by: str = "backend", tip: Sequence[str] = ()
-) -> Chart:
+def scatter(data: pd.DataFrame, x: Axis, y: Axis, tip: Sequence[str]) -> Chart:
     """Markers alone: what many runs reached, each at its own place. Arguments as of `curves`."""
+    by = "backend"
     shown, left_out = _drawable(data, x, y)
     with styled():
         figure, axes = figure_axes()
@@ -176,22 +175,9 @@ def profile(data: pd.DataFrame, x: Axis, share: Axis = SHARE, *, by: str = "solv
     return Chart(figure, _summary(shown, x, share, by, left_out), tips)
 
 
-def refinement(
-    results: pd.DataFrame, fits: pd.DataFrame, *, by: str = "backend", tip: Sequence[str] = ()
-) -> Chart:
-    """Relative error against the number of elements.
-
-    Args:
-        results: columns `error`, `n_elements`, `by` and those of `tip`.
-        fits: from `lacore_verification.analysis.refinement_orders`, as of `fitted`.
-        by, tip: as of `curves`.
-    """
-    return fitted(results, fits, ELEMENTS, ERROR, by=by, tip=tip)
-
-
-def cost(results: pd.DataFrame, *, by: str = "backend", tip: Sequence[str] = ("mesh",)) -> Chart:
-    """Relative error against time: columns `error`, `solve_time`, `by` and those of `tip`."""
-    return curves(results, SOLVE_TIME, ERROR, by=by, tip=tip)
+def cost(results: pd.DataFrame, *, by: str = "backend") -> Chart:
+    """Relative error against time: columns `error`, `solve_time`, `mesh` and `by`."""
+    return curves(results, SOLVE_TIME, ERROR, by=by, tip=["mesh"])
 
 
 def figure_axes() -> tuple[Figure, Axes]:
