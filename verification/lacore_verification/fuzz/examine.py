@@ -7,6 +7,7 @@ from typing import Any
 
 import lacore as la
 from lacore_verification.fuzz.checks.block_program import Known, known_of
+from lacore_verification.fuzz.checks.derivatives import is_smooth, wrong_derivatives
 from lacore_verification.fuzz.checks.existence import carries
 from lacore_verification.fuzz.checks.rigid_motions import refuted_words
 from lacore_verification.fuzz.checks.verdict import BAR, Wrong
@@ -100,7 +101,7 @@ class Examination:
         yield from self._against_associated()
         further = [
             *(self._copy, self._frictionless, self._other_backend, self._bounds),
-            *(self._monotony, self._interval),
+            *(self._monotony, self._interval, self._derivatives),
         ]
         for place in self._rng.permutation(len(further))[:_EXTRAS]:
             yield from further[int(place)]()
@@ -272,6 +273,14 @@ class Examination:
             yield Wrong("word unsafe", f"equilibrium elements carry {lower.load_factor:.6g}")
         if self._base.solved and state.rigor is la.Rigor.UPPER:
             yield from self._between(self._base.load_factor, lower.load_factor, inf, "lower bound")
+
+    def _derivatives(self) -> Iterator[Wrong]:
+        """Derivatives are those of solves beside a number, on either side of it."""
+        problem, state = self._base.problem, self._base.state
+        if self._coulomb or not self._base.solved or problem is None or state is None:
+            return
+        if is_smooth(problem):
+            yield from wrong_derivatives(problem, state, self._rng)
 
     def _monotony(self) -> Iterator[Wrong]:
         """Stronger bodies carry no less."""

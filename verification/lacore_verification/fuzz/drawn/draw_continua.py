@@ -73,9 +73,13 @@ def one_body(rng: Rng, kinematics: str) -> Recipe:
         )
         dead.append({"load": "BodyForce", "body": "block", "vector": push})
     if rng.random() < 0.4:
-        where = chosen(rng, [loaded, *rest])
-        pressure = number(rng, 0.1, 0.8)
-        dead.append({"load": "Pressure", "body": "block", "where": where, "value": pressure})
+        # On any side, also on those that supports and obstacles hold, which then take the load.
+        where = chosen(rng, [loaded, *rest, *sides] if rng.random() < 0.5 else [loaded, *rest])
+        where, pressure = str(where), number(rng, 0.1, 0.8)
+        own: dict[str, Any] = {"load": "Pressure", "value": pressure}
+        if not round_ and rng.random() < 0.3:
+            own = {"load": "Traction", "vector": vector(rng, pressure)}
+        dead.append({"body": "block", "where": where, **own})
     recipe = {
         "bodies": {"block": body},
         "reference": [_load(rng, "block", loaded, round_)],

@@ -7,14 +7,19 @@ from lacore_verification.fuzz.drawn.recipe import Recipe
 
 
 def frames(rng: Rng) -> Recipe:
-    """A portal of one or two bays and storeys under forces at nodes and along members."""
+    """A portal of one or two bays and storeys under forces at nodes and along members.
+
+    Some are regular: all bays, storeys, columns and beams alike.
+    """
     bays, storeys = int(rng.integers(1, 3)), int(rng.integers(1, 3))
+    regular = bool(rng.random() < 0.3)  # many mechanisms, and stresses, at one load factor
+    wide, high = number(rng, 1.0, 4.0), number(rng, 1.0, 3.0)
     x, y = [0.0], [0.0]
     for _ in range(bays):
-        x.append(round(x[-1] + number(rng, 1.0, 4.0), 6))
+        x.append(round(x[-1] + (wide if regular else number(rng, 1.0, 4.0)), 6))
     for _ in range(storeys):
-        y.append(round(y[-1] + number(rng, 1.0, 3.0), 6))
-    skew = number(rng, -0.5, 0.5) if rng.random() < 0.4 else 0.0
+        y.append(round(y[-1] + (high if regular else number(rng, 1.0, 3.0)), 6))
+    skew = number(rng, -0.5, 0.5) if not regular and rng.random() < 0.4 else 0.0
     nodes = {
         f"n{i}{j}": [round(px + (skew * py if i == 0 else 0.0), 6), py]
         for i, px in enumerate(x)
@@ -33,6 +38,9 @@ def frames(rng: Rng) -> Recipe:
         "members": members,
         "plastic_moment": {name: number(rng, 0.5, 3.0) for name in members},
     }
+    if regular:
+        alike = {"c": number(rng, 0.5, 3.0), "b": number(rng, 0.5, 3.0)}
+        frame["plastic_moment"] = {name: alike[name[0]] for name in members}
     feet = [f"n{i}0" for i in range(bays + 1)]
     upper = [name for name in nodes if name not in feet]
     supports, interfaces, dead = _held(rng, feet, upper)
