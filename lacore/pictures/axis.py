@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatterSciNotation, NullLocator
-from matplotlib.transforms import ScaledTranslation, blended_transform_factory
+from matplotlib.transforms import Affine2DBase, ScaledTranslation, blended_transform_factory
 
 from lacore.reporting.units import Units
 
@@ -102,8 +102,10 @@ def colour_bar(colours: ScalarMappable, axes: Axes, label: str = "", shrink: flo
     assert figure is not None
     logarithmic = isinstance(colours.norm, LogNorm)
     # In inches from the right edge of the axes, wherever equal scales of both coordinates leave it.
-    edge = figure.dpi_scale_trans + ScaledTranslation(1.0, 0.0, axes.transAxes)
-    place = blended_transform_factory(edge, axes.transAxes)
+    within = axes.transAxes
+    assert isinstance(within, Affine2DBase)  # as of all axes
+    edge = figure.dpi_scale_trans + ScaledTranslation(1.0, 0.0, within)
+    place = blended_transform_factory(edge, within)
     gap = _FAR_BAR if axes.name == "3d" else _NEAR_BAR
     bar = figure.colorbar(
         colours,
