@@ -7,11 +7,11 @@ import pytest
 
 import lacore as la
 from lacore.claims.carrying import _residual_of_fall, carrying
-from lacore.claims.dead_collapse import DeadCollapse
+from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.claims.free_motion import without_dissipation
 from lacore.claims.locking_ray import LockingRay, _judged, locking_ray
 from lacore.inner.preparing import prepared_by
-from lacore.program import associated_contact
+from lacore.program import associated_contact, reaction_contact
 from tests.lacore.claims.test_claims import frozen, on_incline
 from tests.lacore.claims.test_rays import in_a_box
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
@@ -192,7 +192,12 @@ def test_answers_that_are_wrong_prove_nothing(friction, change):
 
 def test_a_mechanism_that_dissipates_the_dead_power_is_no_fall():
     """A block on a slope whose base has a limit of friction of just what pulls it down."""
-    for share, falls in ((0.9, True), (1.1, False)):
+    for share, falls in (
+        (0.9, True),
+        (1 - 2 * TOLERANCE, True),
+        (1 - TOLERANCE / 2, False),
+        (1.1, False),
+    ):
         pull = 2.0 * np.sin(0.3)  # the base is 1 m long
         program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
         along = stood(0.2)[1].falling  # some state, with the velocity of the slope
@@ -242,3 +247,52 @@ def test_a_locking_ray_calls_on_no_strength(criterion):
     found = _judged(program, contact, sheared, sizes)
     assert found.beyond > 1e-6
     assert not found.proves
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 1.1, 1.9])
+def test_a_collapse_is_proven_by_what_its_mechanism_dissipates(share):
+    """A limit of friction takes its share of the power of the dead load; from 1 on none falls."""
+    pull = 2.0 * np.sin(0.3)
+    program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (0.0, 1.0), weight=2.0))
+    still = replace(program, reference_load=across(program))
+    found = dead_collapse(still, contact, prepared_by("clarabel", {}), TOLERANCE)
+    assert (found is not None) == (share < 1)
+    if found is not None:
+        assert found.carried == pytest.approx(share, rel=1e-6)
+        assert found.power == pytest.approx(1.0)
+        assert found.felt <= TOLERANCE
+
+
+def across(program):
+    """A load that presses the block on its slope, which no slide along it feels."""
+    return -np.asarray(program.contact.normal.sum(axis=0)).ravel()
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 1.2])
+def test_a_column_is_crushed_by_its_weight_beyond_the_strength(share):
+    """Pressed by 2 k per share: plastic flow takes that share of the power of the pressure."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    problem = la.Problem(
+        {"b": la.Body(mesh, la.VonMises(1.0))},
+        # Felt by no mechanism that keeps the volume of the column.
+        [la.Pressure("b", side) for side in ("left", "right", "top")],
+        [la.Fix("b", "bottom", "y"), la.Fix("b", "left", "x")],
+        dead_loads=[la.Pressure("b", "top", 2.0 / share)],
+    )
+    program, contact = frozen(problem)
+    found = dead_collapse(program, contact, prepared_by("clarabel", {}), TOLERANCE)
+    assert (found is not None) == (share < 1)
+    if found is not None:
+        assert found.carried == pytest.approx(share, rel=1e-5)
+
+
+@pytest.mark.parametrize(("reaction", "free"), [(1e-9, True), (1e-4, False), (1.0, False)])
+def test_without_a_weight_what_rubs_at_all_resists(reaction, free):
+    """Friction of 1e-4 of the strength is no round-off."""
+    d, state = sliding()
+    program = replace(d.program, dead_load=0 * d.program.dead_load)
+    pressed = replace(
+        state, normal_reaction=np.full(program.contact.count, reaction), load_factor=0.0
+    )
+    contact = reaction_contact(program.contact, pressed.normal_reaction)
+    assert without_dissipation(program, pressed, contact, TOLERANCE) == free
