@@ -1,17 +1,20 @@
 """Claims that are wrong in exactly one way are refused."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import lacore as la
+from lacore.backend import InnerSolution
 from lacore.claims.carrying import _residual_of_fall, carrying
 from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.claims.free_motion import without_dissipation
-from lacore.claims.locking_ray import LockingRay, _judged, locking_ray
+from lacore.claims.locking_ray import LockingRay, _directions, _judged, locking_ray
 from lacore.inner.preparing import prepared_by
 from lacore.program import associated_contact, reaction_contact
+from lacore.status import Status
 from tests.lacore.claims.test_claims import frozen, on_incline
 from tests.lacore.claims.test_rays import in_a_box
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
@@ -75,7 +78,9 @@ def test_reactions_that_carry_the_load_alone_prove_that_it_is_locked():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"residual": 1e-11}, {"beyond": 1e-11}, {"release": 1.0}, {"release": 1.5}], ids=str
+    "wrong",
+    [{"residual": 1e-11}, {"beyond": 1e-11}, {"release": 1 - 1e-10}, {"release": 1.5}],
+    ids=str,
 )
 def test_one_wrong_number_proves_no_locking(wrong):
     assert not replace(LOCKED, **wrong).proves
@@ -296,3 +301,28 @@ def test_without_a_weight_what_rubs_at_all_resists(reaction, free):
     )
     contact = reaction_contact(program.contact, pressed.normal_reaction)
     assert without_dissipation(program, pressed, contact, TOLERANCE) == free
+
+
+@pytest.mark.parametrize(("dimension", "angle"), [(2, 11.25), (3, 27.5)])
+def test_directions_of_slip_are_all_around(dimension, angle):
+    """Some direction is within an angle, degrees, of any, and all of them are unit vectors."""
+    found = _directions(dimension)
+    assert np.linalg.norm(found, axis=1) == pytest.approx(1.0)
+    drawn = np.random.default_rng(0).normal(size=(2000, dimension))
+    drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
+    nearest = (drawn @ found.T).max(axis=1)
+    assert nearest.min() >= np.cos(np.radians(angle + 1e-6))
+
+
+def test_a_collapse_by_lines_needs_no_cones():
+    """Of rigid blocks a linear program finds the mechanism where the solver has no answer."""
+
+    def answerless(program):
+        answer = InnerSolution(Status.FAILED, "", 0, 0.0, None)
+        return SimpleNamespace(solve=lambda contact: answer, close=lambda: None)
+
+    program, contact = frozen(on_incline(0.3, la.Tresca(0.3), (0.0, 1.0), weight=2.0))
+    still = replace(program, reference_load=across(program))
+    found = dead_collapse(still, contact, answerless, TOLERANCE)
+    assert found.proves(TOLERANCE)
+    assert found.carried == pytest.approx(0.3 / (2 * np.sin(0.3)))
