@@ -382,3 +382,12 @@ def test_friction_is_divided_by_a_factor_of_safety():
     assert la.BOND.divided(2.0) is la.BOND
     assert la.BOND.terms().limit == np.inf
     assert la.Coulomb(0.5, adhesion=0.4, tension=0.8).divided(2.0).tension == pytest.approx(0.4)
+
+
+def test_a_body_opens_in_layers_where_all_of_its_elements_do():
+    """Elements of 30 and 75 degrees in space: a cone so steep never opens fast enough to slip."""
+    soil = la.DruckerPrager(1.0, 30.0, "compression")
+    cohesion = np.ones(2)
+    for angles, opens in (((30.0, 20.0), True), ((30.0, 75.0), False), ((75.0, 30.0), False)):
+        form = soil.form_of(SPACE, np.array(angles), cohesion, None)
+        assert form.opens == opens
