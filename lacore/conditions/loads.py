@@ -162,7 +162,7 @@ class PointForce(Compact):
         at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
             centroid) or of a node of a frame, or a place on a member of one: a node is put there.
         vector: N/m, in space N; on an axisymmetric body the sum around the ring through `at`, N.
-        where: the block that carries it, where `at` lies on several.
+        where: the block that carries it, where `at` lies on several, or on none: a rigid arm.
 
     Example:
         >>> wind = la.PointForce("frame", "B", (10e3, 0.0))  # N

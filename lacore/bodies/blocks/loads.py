@@ -131,7 +131,8 @@ def _loaded_block(body: RigidBlocks, load: PointForce) -> tuple[Ints, Floats]:
     """The block that a point force acts on, and where, shapes (1,) and (d, 1).
 
     Raises:
-        InputError: a place on no block, or on several; a name of none.
+        InputError: a place on several blocks, or on none without the name of the one that carries
+            the force there, as on a rigid arm; a name of none.
     """
     if isinstance(load.at, str):
         block = named(body, load.at, "PointForce.at")
@@ -144,11 +145,16 @@ def _loaded_block(body: RigidBlocks, load: PointForce) -> tuple[Ints, Floats]:
     distance = body.away(at)
     blocks = np.flatnonzero(distance <= body.allowed)
     if load.where is not None:
-        blocks = np.intersect1d(blocks, named(body, load.where, "PointForce.where"))
+        carrying = named(body, load.where, "PointForce.where")
+        blocks = np.intersect1d(blocks, carrying) if blocks.size else carrying
     names = [body.names[block] for block in blocks]
     if len(names) != 1:
         why = f"lies on the blocks {', '.join(names)}" if names else "lies on no block"
         nearest = body.names[int(np.argmin(distance))]
-        fix = "say by `where` which one carries it" if names else f"the nearest is {nearest!r}"
+        fix = "say by `where` which one carries it"
+        if not names:
+            fix = (
+                f"the nearest is {nearest!r}: name it by `where` if it carries the force on an arm"
+            )
         raise InputError("PointForce.at", load.at, why, fix)
     return blocks, at[:, None]

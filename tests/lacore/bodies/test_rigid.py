@@ -323,3 +323,37 @@ def test_an_isolated_block_may_have_a_support_or_an_interface():
         [la.Interface(("blocks", lambda x: bottom(x) & (x[0] < 2)), FLOOR, 0.3)],
         [la.BodyForce("blocks", (0, -1))],
     )
+
+
+@pytest.mark.parametrize("height", [2.0, 6.0])
+def test_a_force_outside_its_block_acts_on_an_arm(height):
+    """A stone of W = 4, half as wide as 1, topples at W/2 over the height of the force."""
+    block = la.RigidBlock([(0, 0), (1, 0), (1, 4), (0, 4)])
+    floor = la.Interface(("stone", lambda x: x[1] == 0), la.RigidObstacle(), 2.0)
+    (name,) = block.names
+
+    def pushed(where):
+        push = la.PointForce("stone", (0.5, height), (1, 0), where=where)
+        weight = la.BodyForce("stone", (0, -1))
+        return la.Problem({"stone": block}, [push], interfaces=[floor], dead_loads=[weight])
+
+    assert la.solve(pushed(name)).load_factor == pytest.approx(2 / height, rel=1e-6)
+    if height > 4:
+        with pytest.raises(la.InputError, match="name it by `where`"):
+            la.discretise(pushed(None))
+
+
+def test_a_force_outside_its_block_in_space_has_its_couple():
+    """A pier of 1 x 0.5 x 0.5 m, 0.25 of weight, pushed 2 m above its base, along its length."""
+    pier = la.masonry3d.wall([[1]], friction=0.9, block=(1.0, 0.5, 0.5))
+    (name,) = (own for own in pier.names if own != "base")
+    x, y, _ = pier.centroid[:, pier.names.index(name)]
+    base = pier.centroid[2, pier.names.index(name)] - 0.25
+    push = la.PointForce("pier", (x, y, base + 2.0), (1, 0, 0), where=name)
+    problem = la.Problem(
+        {"pier": pier},
+        [push],
+        [la.Fix("pier", "base")],
+        dead_loads=[la.BodyForce("pier", (0, 0, -1))],
+    )
+    assert la.solve(problem).load_factor == pytest.approx(0.25 * 0.5 / 2.0, rel=1e-5)
