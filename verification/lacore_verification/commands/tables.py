@@ -1,7 +1,7 @@
 """Tables that the commands show on stdout."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any
 
@@ -48,20 +48,29 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             f"{row.verdict} (model: {row.model})" if row.model else row.verdict,
         )
         console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
-        if row.options:
-            print_line(console, f"         options: {row.options}", "dim")
-        if row.answered_by not in ("", row.backend):
-            print_line(console, f"         answered by {row.answered_by}", "dim")
-        if isfinite(row.width):
-            between = f"{row.lower:.6f} <= load factor <= {row.upper:.6f}"
-            print_line(console, f"         {between}, {100 * row.width:.2g} % wide", "dim")
-        if row.standing and row.standing != la.Standing.STANDS.label:
-            print_line(console, f"         {_standing(row)}", "dim")
-        if row.ending:
-            worst = (
-                f", error {100 * row.path_error:.2g} % at most" if isfinite(row.path_error) else ""
-            )
-            print_line(console, f"         path: {row.ending}{worst}", "dim")
+        for note in _notes(row):
+            print_line(console, f"         {note}", "dim")
+    _show_reasons(console, outcomes)
+
+
+def _notes(row: Row) -> Iterator[str]:
+    """Yield what else is known of a row."""
+    if row.options:
+        yield f"options: {row.options}"
+    if row.answered_by not in ("", row.backend):
+        yield f"answered by {row.answered_by}"
+    if isfinite(row.width):
+        between = f"{row.lower:.6f} <= load factor <= {row.upper:.6f}"
+        yield f"{between}, {100 * row.width:.2g} % wide"
+    if row.standing and row.standing != la.Standing.STANDS.label:
+        yield _standing(row)
+    if row.ending:
+        worst = f", error {100 * row.path_error:.2g} % at most" if isfinite(row.path_error) else ""
+        yield f"path: {row.ending}{worst}"
+
+
+def _show_reasons(console: Console, outcomes: Sequence[Outcome]) -> None:
+    """Print why runs were skipped, and why others failed."""
     skipped: dict[tuple[str, str, str], list[str]] = {}
     for row in (outcome.row for outcome in outcomes):
         if row.verdict == SKIPPED:

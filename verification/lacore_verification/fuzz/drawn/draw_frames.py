@@ -13,34 +13,15 @@ def frames(rng: Rng) -> Recipe:
     """
     bays, storeys = int(rng.integers(1, 3)), int(rng.integers(1, 3))
     regular = bool(rng.random() < 0.3)  # many mechanisms, and stresses, at one load factor
-    wide, high = number(rng, 1.0, 4.0), number(rng, 1.0, 3.0)
-    x, y = [0.0], [0.0]
-    for _ in range(bays):
-        x.append(round(x[-1] + (wide if regular else number(rng, 1.0, 4.0)), 6))
-    for _ in range(storeys):
-        y.append(round(y[-1] + (high if regular else number(rng, 1.0, 3.0)), 6))
-    skew = number(rng, -0.5, 0.5) if not regular and rng.random() < 0.4 else 0.0
-    nodes = {
-        f"n{i}{j}": [round(px + (skew * py if i == 0 else 0.0), 6), py]
-        for i, px in enumerate(x)
-        for j, py in enumerate(y)
-    }
-    members = {
-        f"c{i}{j}": [f"n{i}{j}", f"n{i}{j + 1}"] for i in range(bays + 1) for j in range(storeys)
-    } | {
-        f"b{i}{j}": [f"n{i}{j}", f"n{i + 1}{j}"] for i in range(bays) for j in range(1, storeys + 1)
-    }
+    nodes = _grid(rng, bays, storeys, regular)
+    members = _members(bays, storeys)
     if rng.random() < 0.2:
         members["brace"] = ["n00", f"n1{storeys}"]
-    frame = {
-        "kind": "frame",
-        "nodes": nodes,
-        "members": members,
-        "plastic_moment": {name: number(rng, 0.5, 3.0) for name in members},
-    }
+    moments = {name: number(rng, 0.5, 3.0) for name in members}
     if regular:
         alike = {"c": number(rng, 0.5, 3.0), "b": number(rng, 0.5, 3.0)}
-        frame["plastic_moment"] = {name: alike[name[0]] for name in members}
+        moments = {name: alike[name[0]] for name in members}
+    frame = {"kind": "frame", "nodes": nodes, "members": members, "plastic_moment": moments}
     feet = [f"n{i}0" for i in range(bays + 1)]
     upper = [name for name in nodes if name not in feet]
     supports, interfaces, dead = _held(rng, feet, upper)
@@ -53,6 +34,31 @@ def frames(rng: Rng) -> Recipe:
         "dead": dead,
         "supports": supports,
         "interfaces": interfaces,
+    }
+
+
+def _grid(rng: Rng, bays: int, storeys: int, regular: bool) -> dict[str, list[float]]:
+    """Nodes of bays and storeys; some have a first column that leans."""
+    wide, high = number(rng, 1.0, 4.0), number(rng, 1.0, 3.0)
+    x, y = [0.0], [0.0]
+    for _ in range(bays):
+        x.append(round(x[-1] + (wide if regular else number(rng, 1.0, 4.0)), 6))
+    for _ in range(storeys):
+        y.append(round(y[-1] + (high if regular else number(rng, 1.0, 3.0)), 6))
+    skew = number(rng, -0.5, 0.5) if not regular and rng.random() < 0.4 else 0.0
+    return {
+        f"n{i}{j}": [round(px + (skew * py if i == 0 else 0.0), 6), py]
+        for i, px in enumerate(x)
+        for j, py in enumerate(y)
+    }
+
+
+def _members(bays: int, storeys: int) -> dict[str, list[str]]:
+    """Columns and beams between the nodes."""
+    return {
+        f"c{i}{j}": [f"n{i}{j}", f"n{i}{j + 1}"] for i in range(bays + 1) for j in range(storeys)
+    } | {
+        f"b{i}{j}": [f"n{i}{j}", f"n{i + 1}{j}"] for i in range(bays) for j in range(1, storeys + 1)
     }
 
 
