@@ -137,13 +137,13 @@ class _Speeds:
 
 def _speeds(program: KinematicProgram, velocity: Floats) -> _Speeds:
     contact = program.contact
-    fastest = float(np.abs(velocity).max())
+    fastest = float(np.abs(velocity).max()) or 1.0  # of a body at rest all speeds are zero
     slip = np.linalg.norm(contact.slip(velocity), axis=1)
     rates = [np.linalg.norm(g.cone_vectors(velocity), axis=1) for g in program.groups]
     # Of a rigid mechanism all strain rates are noise, against velocity per body length.
     area = sum(float(group.weights.sum()) for group in program.groups)
     overall = fastest / np.sqrt(area) if area > 0 else 0.0
-    strain = max([overall, *(float(rate.max(initial=0.0)) for rate in rates)])
+    strain = max([overall, *(float(rate.max(initial=0.0)) for rate in rates)]) or 1.0
     return _Speeds(
         opening=np.asarray((contact.opening(velocity) - contact.dilatancy * slip) / fastest),
         slip=np.asarray(slip / fastest),

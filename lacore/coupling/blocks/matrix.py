@@ -57,9 +57,16 @@ class Pattern(Compact):
         return cls(sums, keys % n, keys // n, begins, where[value.size :])
 
     def scaled(self, entries: Floats) -> tuple[csc_array, Floats]:
-        """K with ones on its diagonal, and the square roots of what was there, inverted."""
+        """K with ones on its diagonal, and the square roots of what was there, inverted.
+
+        Raises:
+            SingularError: nothing, or no number, was there.
+        """
         data = self.sums @ entries
-        scale = 1 / np.sqrt(np.abs(data[self.diagonal]))
+        size = np.abs(data[self.diagonal])
+        if not (np.all(size > 0) and np.isfinite(data).all()):
+            raise SingularError("an entry of the diagonal is zero, or one of the matrix not finite")
+        scale = 1 / np.sqrt(size)
         data = data * scale[self.rows] * scale[self.columns]
         data[self.diagonal] += _SHIFT
         n = scale.size
