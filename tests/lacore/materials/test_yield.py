@@ -391,3 +391,13 @@ def test_a_body_opens_in_layers_where_all_of_its_elements_do():
     for angles, opens in (((30.0, 20.0), True), ((30.0, 75.0), False), ((75.0, 30.0), False)):
         form = soil.form_of(SPACE, np.array(angles), cohesion, None)
         assert form.opens == opens
+
+
+@pytest.mark.parametrize("kind", [la.MohrCoulomb, la.DruckerPrager])
+@pytest.mark.parametrize("varies", [{"friction_angle": 30.0}, {"dilation_angle": 5.0}])
+def test_angles_that_vary_have_no_form_of_one_angle(kind, varies):
+    given = {"friction_angle": 40.0, "dilation_angle": 10.0}
+    fields = {name: [value, value - 1] for name, value in varies.items()}
+    kind(1.0, **given).conic_form("plane_strain")
+    with pytest.raises(ValueError, match="form_of"):
+        kind(1.0, **(given | fields)).conic_form("plane_strain")
