@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, Self, TypeVar
 
 from lacore.reporting.findings import Finding, Message, Severity
 from lacore.reporting.kinds import Kind
+from lacore.showing import Shown
+
+State = TypeVar("State")
 
 
 class Status(Enum):
@@ -75,21 +78,63 @@ class Outcome(Protocol):
         ...
 
 
-class Reported:
-    """A result with a status, and with findings that say the rest."""
+class Result(Shown):
+    """What every result offers: findings, their text, facts to print and a picture.
 
-    status: Outcome
-    findings: tuple[Finding, ...]
+    Attributes:
+        findings: What there is to report in addition to the numbers; a field or a property.
+    """
+
+    if TYPE_CHECKING:  # as a declaration, it would be the default of a field
+
+        @property
+        def findings(self) -> tuple[Finding, ...]:
+            """See above."""
+            ...
+
+    @property
+    def report(self) -> Message:
+        """The findings, to be rendered for a reader."""
+        return Message("", "", self.findings)
+
+    @property
+    def message(self) -> str:
+        """Text of the report."""
+        return str(self.report)
+
+
+class Reported(Result):
+    """A result with a status, whose text its findings explain.
+
+    Attributes:
+        status: How it ended.
+    """
+
+    if TYPE_CHECKING:
+
+        @property
+        def status(self) -> Outcome:
+            """See above."""
+            ...
 
     @property
     def report(self) -> Message:
         """The status with the findings, to be rendered for a reader."""
         return self.status.report(self.findings)
 
-    @property
-    def message(self) -> str:
-        """Text of the status and of the findings."""
-        return str(self.report)
+    def checked(self, throw: bool) -> Self:
+        """Return the result, or raise `SolveError` where that is asked for and it is not SOLVED."""
+        if throw and self.status is not Status.SOLVED:
+            from lacore.errors import SolveError  # which loads NumPy, as no child process may
+
+            raise SolveError(self.message, self)
+        return self
+
+    def required(self, state: State | None) -> State:
+        """Return a state of this result, or raise `ValueError` where there is none."""
+        if state is None:
+            raise ValueError(f"there is no state to look at: {self.message}")
+        return state
 
     def unanswered(self, backend: str, severity: Severity = Severity.NOTE) -> Finding:
         """Return why there is no bound or state, with the backend unless the problem has none.

@@ -15,11 +15,10 @@ from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.precision import exactness
 from lacore.bounds.upper import UpperBound
 from lacore.limit.judges.reached import reached_supports
-from lacore.reporting.findings import Finding, Severity, texts
+from lacore.reporting.findings import Finding, Message, Severity, texts
 from lacore.reporting.kinds import Kind
-from lacore.reporting.text import PYTHON, Reader
-from lacore.showing import Compact, Facts, Picture, Shown, counted
-from lacore.status import Rigor, Status
+from lacore.showing import Compact, Facts, Picture, counted
+from lacore.status import Reported, Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,6 +58,10 @@ class Ending(Enum):
         """The name as shown in tables: ``max elements``."""
         return self.name.lower().replace("_", " ")
 
+    def report(self, findings: tuple[Finding, ...]) -> Message:
+        """Return the text of this ending with findings, to be rendered for a reader."""
+        return Message("", self.value, findings)
+
 
 @dataclass(frozen=True, repr=False)
 class Step(Compact):
@@ -87,7 +90,7 @@ class Step(Compact):
 
 
 @dataclass(frozen=True, repr=False)
-class Bracket(Shown):
+class Bracket(Reported):
     """A load factor between two proven ones: of the body where `strict`, else of its polygon.
 
     With Coulomb friction every Coulomb load factor.
@@ -174,15 +177,6 @@ class Bracket(Shown):
             *self.failures,
             *([] if reached is None else [reached]),
         )
-
-    def text_for(self, reader: Reader) -> str:
-        """Return the text of the status and of all findings."""
-        return "; ".join(filter(None, (self.status.value, texts(self.findings, reader))))
-
-    @property
-    def message(self) -> str:
-        """Text of the status and of all findings."""
-        return self.text_for(PYTHON)
 
     def gaps(self) -> GapIdentity:
         """Compute the shares of the elements in the gap, on the mesh of the upper bound (T26).

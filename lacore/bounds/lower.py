@@ -29,7 +29,7 @@ from lacore.bounds.stresses.admissible import margins, weaker
 from lacore.bounds.stresses.attempt import Attempt, attempt
 from lacore.certificate import Certificate
 from lacore.claims.judged import Prepare, Ray, judged_claim
-from lacore.errors import SolveError, typed
+from lacore.errors import typed
 from lacore.inner.preparing import preparing, require_exact
 from lacore.limit.conversion import in_si, ray_in_si
 from lacore.limit.tables.contact_table import traction_table
@@ -38,7 +38,7 @@ from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON, Quantity
-from lacore.showing import Facts, Picture, Shown, counted
+from lacore.showing import Facts, Picture, counted
 from lacore.solvers.compilation import SolveClock, started
 from lacore.solvers.isolation import make_ready
 from lacore.state import ProgramState
@@ -55,7 +55,7 @@ _TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead
 
 
 @dataclass(frozen=True, repr=False)
-class LowerBound(Reported, Shown):
+class LowerBound(Reported):
     """A statically admissible state, and the load factor that it proves.
 
     Attributes:
@@ -108,9 +108,7 @@ class LowerBound(Reported, Shown):
         return float(last["solved"] - last["load_factor"])
 
     def _point(self) -> ProgramState:
-        if self.point is None:
-            raise ValueError(f"there is no state to look at: {self.message}")
-        return self.point
+        return self.required(self.point)
 
     def facts(self) -> Facts:
         """What is proven, and how well."""
@@ -228,9 +226,7 @@ def lower_bound(
         if settled:
             break
     bound = _bound(solved, backend, options or {}, settled or solved.status is not Status.SOLVED)
-    if throw and bound.status is not Status.SOLVED:
-        raise SolveError(bound.message, bound)
-    return bound
+    return bound.checked(throw)
 
 
 @dataclass(frozen=True)

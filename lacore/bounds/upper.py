@@ -30,7 +30,7 @@ from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.claims.judged import Ray
-from lacore.errors import InputError, SolveError, typed
+from lacore.errors import InputError, typed
 from lacore.inner.preparing import prepared_by
 from lacore.inner.rigid_motions import motions_without_strain
 from lacore.limit.conversion import point_in_program
@@ -51,7 +51,7 @@ from lacore.reporting import terms
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON, text
-from lacore.showing import Facts, Picture, Shown
+from lacore.showing import Facts, Picture
 from lacore.state import ProgramState
 from lacore.status import Reported, Rigor, Status
 
@@ -62,7 +62,7 @@ _NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may
 
 
 @dataclass(frozen=True, repr=False)
-class UpperBound(Reported, Shown):
+class UpperBound(Reported):
     """A kinematically admissible velocity, and the load factor that it proves.
 
     Attributes:
@@ -201,9 +201,7 @@ def upper_bound(
         for velocity, rigid in candidates
     ]
     bound = min(bounds, key=lambda one: one.load_factor if one.status is Status.SOLVED else np.inf)
-    if throw and bound.status is not Status.SOLVED:
-        raise SolveError(bound.message, bound)
-    return bound
+    return bound.checked(throw)
 
 
 def _candidates(

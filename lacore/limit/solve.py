@@ -11,7 +11,7 @@ from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import CouplingOptions, Iterate, answered_by
-from lacore.errors import SolveError, typed
+from lacore.errors import typed
 from lacore.limit.conversion import point_in_si, ray_in_si
 from lacore.limit.hinging import with_hinges
 from lacore.limit.judges.judging import judged
@@ -102,10 +102,7 @@ def solve(
         near=Nearby(normal_reaction, slip),
     )
     outcome = with_hinges(given, problem, tolerance, lambda own: proven_outcome(own, request))
-    state = limit_state(outcome, backend, options or {})
-    if throw and state.status is not Status.SOLVED:
-        raise SolveError(state.message, state)
-    return state
+    return limit_state(outcome, backend, options or {}).checked(throw)
 
 
 def limit_state(

@@ -33,7 +33,7 @@ from lacore.program import KinematicProgram
 from lacore.regularization import RegularisedValues
 from lacore.reporting.findings import Finding
 from lacore.reporting.text import PYTHON
-from lacore.showing import Facts, Picture, Shown, counted
+from lacore.showing import Facts, Picture, counted
 from lacore.solvers.compilation import started
 from lacore.state import ProgramState
 from lacore.status import Reported, Rigor, Status
@@ -45,7 +45,7 @@ _MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at 
 
 
 @dataclass(frozen=True, repr=False)
-class LimitState(Reported, Shown):
+class LimitState(Reported):
     """A plastic collapse state, or the reason why there is none.
 
     Attributes:
@@ -103,9 +103,7 @@ class LimitState(Reported, Shown):
     compile_time: float = 0.0
 
     def _point(self) -> ProgramState:
-        if self.point is None:
-            raise ValueError(f"there is no state to look at: {self.message}")
-        return self.point
+        return self.required(self.point)
 
     @property
     def program(self) -> KinematicProgram:

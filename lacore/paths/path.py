@@ -23,7 +23,7 @@ from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady, SteadyState, steady_state
 from lacore.problem.problem import Problem
 from lacore.reporting.findings import Finding
-from lacore.showing import Compact, Facts, Picture, Shown, counted, listed
+from lacore.showing import Compact, Facts, Picture, counted, listed
 from lacore.status import Reported
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def state_of(
 
 
 @dataclass(frozen=True, repr=False)
-class Path(Reported, Shown):
+class Path(Reported):
     """A path of large deformation.
 
     Attributes:

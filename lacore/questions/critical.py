@@ -20,9 +20,10 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
 from lacore.questions.kept import folder_of
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding, Message
 from lacore.reporting.kinds import Kind
-from lacore.showing import Compact, Facts, Picture, Shown, listed
+from lacore.showing import Compact, Facts, Picture, listed
+from lacore.status import Reported
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,6 +56,10 @@ class Search(Enum):
         """The name as shown in tables: ``same side``."""
         return self.name.lower().replace("_", " ")
 
+    def report(self, findings: tuple[Finding, ...]) -> Message:
+        """Return the text of this ending with findings, to be rendered for a reader."""
+        return Message("", self.value, findings)
+
 
 @dataclass(frozen=True, repr=False)
 class Crossing(Compact):
@@ -82,7 +87,7 @@ class Crossing(Compact):
 
 
 @dataclass(frozen=True, repr=False)
-class Critical(Shown):
+class Critical(Reported):
     """Critical values of a parameter, each between two at which certificates prove the side.
 
     Of deformable bodies the side of the discrete problem: on finer meshes load factors are others.
@@ -158,11 +163,6 @@ class Critical(Shown):
             places = listed([f"{value:.6g}" for value in self.failed])
             found.append(Finding(Kind.NOT_CERTIFIED_AT, values={"places": places}))
         return tuple(found)
-
-    @property
-    def message(self) -> str:
-        """Text of the status and of the findings."""
-        return "; ".join(filter(None, (self.status.value, texts(self.findings))))
 
     def facts(self) -> Facts:
         """The value, between what, and what proves it."""

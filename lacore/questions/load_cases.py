@@ -24,12 +24,12 @@ from lacore.limit.state import LimitState
 from lacore.numerics.threads import each
 from lacore.problem.problem import Problem
 from lacore.questions.worth import proven, worth
-from lacore.reporting.findings import Finding, Severity, texts
+from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import PYTHON
-from lacore.showing import Facts, Picture, Shown, counted, listed
+from lacore.showing import Facts, Picture, counted, listed
 from lacore.solvers.isolation import SolverProcess
-from lacore.status import Rigor, Status
+from lacore.status import Result, Rigor, Status
 
 Told = Callable[[int, LimitState], None]
 
@@ -44,7 +44,7 @@ _COLUMNS = [
 
 
 @dataclass(frozen=True, repr=False)
-class LoadCases(Shown):
+class LoadCases(Result):
     """One structure under several loads, and which of them governs.
 
     Attributes:
@@ -89,11 +89,6 @@ class LoadCases(Shown):
             return (Finding(Kind.ONE_GOVERNS, tuple(every), named, Severity.WARNING),)
         others = {"cases": listed([repr(one) for one in every if one != self.governing])}
         return (Finding(Kind.LEAST_CASE, case, others, Severity.WARNING),)
-
-    @property
-    def message(self) -> str:
-        """Text of the findings."""
-        return texts(self.findings)
 
     @property
     def _least(self) -> pd.Series[Any]:

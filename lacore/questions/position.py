@@ -17,9 +17,10 @@ from lacore.errors import InputError, require_count, require_positive, typed
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.showing import Facts, Picture, Shown, listed
+from lacore.showing import Facts, Picture, listed
+from lacore.status import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +30,7 @@ _MINIMA = 3  # of the scan that are refined, the lowest ones
 
 
 @dataclass(frozen=True, repr=False)
-class WorstPosition(Shown):
+class WorstPosition(Result):
     """The position with the least load factor that was found.
 
     The load factor there is certified. That there is none lower at a position that was not asked is
@@ -68,11 +69,6 @@ class WorstPosition(Shown):
             return (lowest,)
         places = listed([f"{place:.6g}" for place in self.failed])
         return lowest, Finding(Kind.NOT_CERTIFIED_AT, values={"places": places})
-
-    @property
-    def message(self) -> str:
-        """Text of the findings."""
-        return texts(self.findings)
 
     def facts(self) -> Facts:
         """The position, and what is proven of it."""

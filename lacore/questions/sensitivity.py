@@ -19,10 +19,10 @@ from lacore.problem.problem import Problem
 from lacore.questions.differences import by_differences
 from lacore.questions.envelope_theorem import Nearby, by_multipliers
 from lacore.questions.parameters import OWN, Parameter, parameters_of, without_parameter
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.showing import Facts, Picture, Shown, counted, cut
-from lacore.status import Rigor, Status
+from lacore.showing import Facts, Picture, counted, cut
+from lacore.status import Result, Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ _COLUMNS = [
 
 
 @dataclass(frozen=True, repr=False)
-class Sensitivity(Shown):
+class Sensitivity(Result):
     """Derivatives of a load factor by the numbers that its problem is stated with.
 
     Attributes:
@@ -74,11 +74,6 @@ class Sensitivity(Shown):
             if len(which):
                 found.append(Finding(kind, values={name: _first(list(which))}))
         return tuple(found)
-
-    @property
-    def message(self) -> str:
-        """Text of the findings."""
-        return texts(self.findings)
 
     def facts(self) -> Facts:
         """What matters most."""

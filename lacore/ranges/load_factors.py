@@ -14,7 +14,7 @@ from lacore.claims.judged import Ray
 from lacore.limit.state import LimitState
 from lacore.reporting.findings import Finding, texts
 from lacore.reporting.text import PYTHON, Reader
-from lacore.showing import Facts, Picture, Shown, counted
+from lacore.showing import Facts, Picture, counted
 from lacore.status import Reported, Scope, Status
 
 _CLOSE = 1e-6  # relative: a load factor this close to a bound has reached it
@@ -40,7 +40,7 @@ class RangeKind(Enum):
 
 
 @dataclass(frozen=True, repr=False)
-class LoadFactorRange(Reported, Shown):
+class LoadFactorRange(Reported):
     """The lowest and the highest load factor found, in SI units.
 
     Each is proven to be one, by its certificate. That there is none lower or higher is proven only

@@ -30,10 +30,10 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.ranges.weakened import require_weakening, weakened_problem
 from lacore.reporting import terms
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding
 from lacore.reporting.text import Term, text
-from lacore.showing import Facts, Shown, counted, listed
-from lacore.status import Rigor, Standing, Status
+from lacore.showing import Facts, counted, listed
+from lacore.status import Result, Rigor, Standing, Status
 
 Weakened = Callable[[float], Problem | None]
 
@@ -44,7 +44,7 @@ _STRONGEST = 1e-3  # factor: what falls with strengths divided by it falls howev
 
 
 @dataclass(frozen=True, repr=False)
-class SafetyFactor(Shown):
+class SafetyFactor(Result):
     """A factor of safety between two ends: proven, or of certified states.
 
     Attributes:
@@ -76,8 +76,8 @@ class SafetyFactor(Shown):
 
     @property
     def note(self) -> str:
-        """Text of the findings; empty without any."""
-        return texts(self.findings)
+        """The message; empty without findings."""
+        return self.message
 
     @property
     def width(self) -> float:

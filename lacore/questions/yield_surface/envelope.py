@@ -21,9 +21,10 @@ from lacore.problem.problem import Problem
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.hulls import gauge, parts_of_width
 from lacore.questions.yield_surface.search import Asking, Search
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.showing import Facts, Picture, Shown, counted
+from lacore.showing import Facts, Picture, counted
+from lacore.status import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +33,7 @@ _ROUND = 1e-9  # of a vertex: what lies nearer to a plane is on it
 
 
 @dataclass(frozen=True, repr=False)
-class Envelope(Shown):
+class Envelope(Result):
     """Which combinations of loads are carried: the yield surface in two or three components.
 
     Factors of loads are multiples of the components as they are given; dead loads stay.
@@ -112,11 +113,6 @@ class Envelope(Shown):
         missing = Finding(Kind.DIRECTIONS_FAILED, values={"count": failed, "every": every})
         ended = Finding(Kind.DIRECTIONS_ENDED, values={"count": every, "why": self.stop})
         return (found, *[missing] * (failed > 0), *[ended] * (self.stop is not None))
-
-    @property
-    def message(self) -> str:
-        """Text of the findings."""
-        return texts(self.findings)
 
     @property
     def stopped(self) -> str:

@@ -88,7 +88,9 @@ def _lead(answer: ProblemResults, units: Units) -> str:
     state, proven, reader = answer.state, answer.bracket, Reader(units, files=True)
     if proven is not None:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
-        return f"Collapse between {ends} times the reference loads: {proven.text_for(reader)}."
+        return (
+            f"Collapse between {ends} times the reference loads: {proven.report.text_for(reader)}."
+        )
     if state.status is la.Status.SOLVED:
         return f"Collapse at {state.load_factor:.6g} times the reference loads; {claim(state)}."
     return state.report.text_for(reader)
