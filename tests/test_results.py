@@ -85,3 +85,9 @@ def test_all_results_report_their_findings():
         free.checked(throw=True)
     assert free.checked(throw=False) is free
     assert free.unanswered("any").kind is Kind.STATUS
+
+
+@pytest.mark.parametrize("name", ["CoulombRange", "SoilRange"])
+def test_names_of_ranges_before_they_were_one_still_work(name):
+    with pytest.warns(DeprecationWarning, match=f"lacore.{name} is now lacore.LoadFactorRange"):
+        assert getattr(la, name) is la.LoadFactorRange
