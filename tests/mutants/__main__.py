@@ -22,6 +22,7 @@ from pathlib import Path
 
 from tests.mutants.mutants import Mutant, generated, known
 
+SAMPLE = 200  # errors that are generated, unless another number is given
 ROOT = Path(__file__).parents[2]
 _COPIED_NOT = shutil.ignore_patterns(
     *(".git", ".venv", "reports", "build", "dist", "__pycache__", ".*_cache", ".hypothesis")
@@ -133,7 +134,9 @@ def judged(mutants: Sequence[Mutant], records: Path) -> Iterator[tuple[Mutant, s
 def main() -> int:
     """Run the command; the exit code is 1 if an error is not noticed."""
     parser = argparse.ArgumentParser(prog="make mutants", description=__doc__)
-    parser.add_argument("--sample", type=int, default=200, help="number of generated errors (200)")
+    parser.add_argument(
+        "--sample", type=int, default=SAMPLE, help=f"number of generated errors ({SAMPLE})"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the random choice (0)")
     parser.add_argument("--only", default="", help="part of the path of files with errors")
     parser.add_argument("--records", type=Path, default=ROOT / "reports" / "mutants.jsonl")
