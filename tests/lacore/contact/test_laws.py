@@ -25,6 +25,12 @@ def test_more_than_the_weaker_body_could_ever_carry_sticks(strengths):
     """A limit of 1 000 times the strength of one of the bodies never slips, whichever it is."""
     limit = la.discretise(between(strengths, la.Tresca(1e3))).program.contact.limit
     assert np.all(np.isinf(limit))
+    for associated in (False, True):
+        strong = la.Coulomb(0.5, associated, adhesion=1e3)
+        rows = la.discretise(between(strengths, strong)).program.contact
+        assert np.all(np.isinf(rows.limit))
+        assert not rows.coefficient.any()  # what sticks neither rubs nor dilates
+        assert not rows.dilatancy.any()
     with pytest.raises(la.InputError, match="nothing would ever"):
         la.discretise(between(strengths, la.Coulomb(0.5, adhesion=1e3, tension=1e3)))
 

@@ -21,11 +21,11 @@ def on_obstacle(space="p2-vertex"):
     )
 
 
-def on_each_other(low=5, high=3):
+def on_each_other(low=5, high=3, make=la.meshes.rectangle, space="p2-vertex"):
     """Edges do not match: they meet on the common refinement of both."""
     bodies = {
-        "low": la.Body(la.meshes.rectangle((0, 1), (0, 1), low, 1), CRITERION),
-        "top": la.Body(la.meshes.rectangle((0, 1), (1, 2), high, 1), CRITERION),
+        "low": la.Body(make((0, 1), (0, 1), low, 1), CRITERION, space=space),
+        "top": la.Body(make((0, 1), (1, 2), high, 1), CRITERION, space=space),
     }
     return la.Problem(
         bodies,
@@ -51,6 +51,7 @@ PLANE = {
     "obstacle": on_obstacle(),
     "discontinuous": on_obstacle("p1-disc"),
     "bodies": on_each_other(),
+    "isoparametric": on_each_other(make=la.meshes.quadrilaterals, space="q2"),
     "block": on_a_block(),
 }
 
@@ -88,7 +89,7 @@ def test_a_rigid_motion_of_the_slave_opens_and_slips(problem):
     assert rows.slip(u)[:, 0] == pytest.approx(-0.2)
     # It turns about a point of the contact: what is right of it opens by the distance.
     u = velocity(d, {slave(problem): lambda x: np.stack([-x[1], x[0] - 0.25])})
-    height = 1.0 if problem is PLANE["bodies"] else 0.0
+    height = 1.0 if "top" in problem.bodies else 0.0
     assert rows.opening(u) == pytest.approx(d.points.position[:, 0] - 0.25)
     assert rows.slip(u)[:, 0] == pytest.approx(height)
 
