@@ -96,9 +96,9 @@ class Copy:
         return code, time.perf_counter() - begin
 
 
-def digest(tests: Sequence[str]) -> str:
-    """Return a digest of test files and of the modules next to them."""
-    places = [ROOT / name for name in tests]
+def digest(root: Path, tests: Sequence[str]) -> str:
+    """Return a digest of test files of a tree and of the modules next to them."""
+    places = [root / name for name in tests]
     every = [file for own in places for file in sorted([own, *own.rglob("*.py")]) if file.is_file()]
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in every)).hexdigest()[:16]
 
@@ -119,7 +119,7 @@ def judged(mutants: Sequence[Mutant], records: Path) -> Iterator[tuple[Mutant, s
         copy = Copy(Path(folder, "tree"))
         shutil.copytree(ROOT, copy.root, ignore=_COPIED_NOT)
         for mutant in mutants:
-            row, tests = known_rows.get(mutant.key), digest(mutant.tests)
+            row, tests = known_rows.get(mutant.key), digest(copy.root, mutant.tests)
             if row is not None and (row["outcome"] != MISSED or row["tests"] == tests):
                 yield mutant, row["outcome"], 0.0
                 continue

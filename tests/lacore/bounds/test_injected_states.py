@@ -83,7 +83,9 @@ def test_a_load_factor_is_taken_where_strengths_were_reduced_for_it(monkeypatch,
 
     def scripted(model, most, *given):
         seen.append(most)
-        return SimpleNamespace(status=Status.SOLVED, load_factor=next(values))
+        found = SimpleNamespace(status=Status.SOLVED, load_factor=next(values))
+        found.checked = lambda throw: found
+        return found
 
     monkeypatch.setattr(lower_module, "_solved", scripted)
     monkeypatch.setattr(lower_module, "_bound", lambda solved, *given: solved)
