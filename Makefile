@@ -12,8 +12,8 @@ PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --
 # Tests that are sensitive to rounding, which depends on the order of sums and so on the processor.
 KERNELS := Haswell Nehalem
 FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regularised.py ipopt_static.py clarabel_regularised.py) \
-	$(addprefix tests/lacore/, coupling/test_intervals.py coupling/test_soils.py claims/test_claims.py inner/test_strong_bodies.py \
-	inner/test_light_blocks.py bounds/test_static_bound.py bounds/test_kinematic_bound.py \
+	$(addprefix tests/lacore/, coupling/test_intervals.py coupling/test_soils.py coupling/claims/test_claims.py solvers/inner/test_strong_bodies.py \
+	solvers/inner/test_light_blocks.py bounds/test_static_bound.py bounds/test_kinematic_bound.py \
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
 	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 

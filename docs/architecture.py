@@ -1,8 +1,8 @@
 """Draw the packages of lacore and verification and their imports: ``make architecture``.
 
 The order of the packages is the list in tests/test_layers.py, their purposes are their docstrings,
-and the imports are read from the code, so that the pictures show the code as it is. A count in
-docs/architecture.md is written too.
+and the imports are read from the code, so that the pictures show the code as it is. The counts
+in docs/architecture.md are written too.
 """
 
 import ast
@@ -22,6 +22,7 @@ from tests.test_layers import (  # noqa: E402
     MECHANICS_WING,
     PLACES,
     SOLVER_WING,
+    layers,
     module_of,
     rooms_seen,
 )
@@ -39,8 +40,6 @@ LAYERS = {
 }
 """Layers of lacore from the bottom up; the second and the third do not import each other."""
 COLOURS = dict(zip(LAYERS, ("#e8e6df", "#d9e6f2", "#f6e3c9", "#dcebd6", "#efdcea"), strict=True))
-COUNT = r"(passes through )\d+( packages)"
-"""Pattern of the count in docs/architecture.md."""
 _OTHER = "#eeeeee"
 _FONT = "font-family='Helvetica, Arial, sans-serif'"
 _ROW, _COLUMN, _NAME, _TEXT = 17, 13, 106, 532  # px: cells of the matrix, names, purposes
@@ -144,10 +143,23 @@ def _svg(wide: float, high: float, drawn: Sequence[str]) -> str:
 
 
 def passed() -> int:
-    """Return how many packages of lacore one solve enters, with the flat modules counted as one."""
+    """Return how many packages of lacore one solve enters."""
     script = run_path(str(ROOT / "docs" / "entries.py"))
-    entered = set(script["entries"](script["analyses"]()["block solve"])) - script["OTHERS"]
-    return len({name if (ROOT / "lacore" / name).is_dir() else "" for name in entered})
+    return len(set(script["entries"](script["analyses"]()["block solve"])) - script["OTHERS"])
+
+
+def counts() -> dict[str, int]:
+    """Return the counts in docs/architecture.md by their patterns."""
+    return {
+        r"(passes through )\d+( packages)": passed(),
+        **{rf"(`{house}` has )\d+( packages)": len(names) for house, names in HOUSES.items()},
+        **{
+            rf"(`{house}` has \d+ packages and top-level modules on )\d+( layers)": max(
+                layers(house).values()
+            )
+            for house in HOUSES
+        },
+    }
 
 
 def pictures() -> dict[str, str]:
@@ -159,11 +171,13 @@ def pictures() -> dict[str, str]:
 
 
 def main() -> None:
-    """Write the pictures, and the count in the page that shows them."""
+    """Write the pictures, and the counts in the page that shows them."""
     for name, text in pictures().items():
         (ROOT / "docs" / name).write_text(text, encoding="utf-8")
     page = ROOT / "docs" / "architecture.md"
-    text = re.sub(COUNT, rf"\g<1>{passed()}\g<2>", page.read_text(encoding="utf-8"))
+    text = page.read_text(encoding="utf-8")
+    for pattern, count in counts().items():
+        text = re.sub(pattern, rf"\g<1>{count}\g<2>", text)
     page.write_text(text, encoding="utf-8")
 
 

@@ -4,7 +4,7 @@ A call of a function is an entry where the function that called it, or the neare
 above it, belongs to another package. Each analysis runs once before it is counted, so that modules
 imported at first use are loaded. Resuming a generator counts as a call.
 
-Packages are the top-level folders and modules of lacore, and the other packages of the repository.
+Packages are the top-level folders of lacore, and the other packages of the repository.
 """
 
 import os
@@ -61,8 +61,8 @@ def analyses() -> dict[str, Callable[[], object]]:
 @cache
 def package(file: str) -> str:
     """Return the package of a file; empty for files that are not ours."""
-    if file.startswith(LACORE):
-        return file.removeprefix(LACORE).split(os.sep)[0].removesuffix(".py")
+    if file.startswith(LACORE) and file != la.__file__:
+        return file.removeprefix(LACORE).split(os.sep)[0]
     return next((name for name in OTHERS if file.startswith(f"{ROOT / name}{os.sep}")), "")
 
 

@@ -17,7 +17,7 @@ import click
 import lacore as la
 from lacore_verification.commands.cli import main as commands
 from lacore_verification.defaults import STOPPED
-from lacore_verification.problems import starters
+from lacore_verification.report.problems import starters
 from lacore_verification.usage import BAD_INPUT
 
 FILE = Path(__file__).parents[1] / "lacore" / "llms.txt"

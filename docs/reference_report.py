@@ -9,17 +9,17 @@ from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 
-from lacore_verification.campaigns.comparison import plan
-from lacore_verification.campaigns.run_all import run_all
-from lacore_verification.campaigns.sweep import plan as plan_sweep
 from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.harness.campaigns.comparison import plan
+from lacore_verification.harness.campaigns.run_all import run_all
+from lacore_verification.harness.campaigns.sweep import plan as plan_sweep
+from lacore_verification.harness.store.results import load_outcomes
+from lacore_verification.harness.store.store import NAME, sessions
 from lacore_verification.report.blocks import Report
 from lacore_verification.report.drawing import Drawn, Subject, drawing
 from lacore_verification.report.files import write
 from lacore_verification.report.page import compared, subjects
 from lacore_verification.runs.run import Run
-from lacore_verification.store.results import load_outcomes
-from lacore_verification.store.store import NAME, sessions
 
 FOLDER = Path(__file__).parent.parent / "reports" / "reference"
 TITLE = "Reference report of lacore"

@@ -22,16 +22,16 @@ from typing import Any
 from matplotlib.figure import Figure
 
 import lacore as la
-from lacore.errors import require_known
-from lacore_verification.campaigns.comparison import plan
-from lacore_verification.campaigns.run_all import run_all
+from lacore.reporting.errors import require_known
 from lacore_verification.case.band import BRACKET
 from lacore_verification.catalogue.catalogue import find
-from lacore_verification.problems.starters import text as starter
+from lacore_verification.harness.campaigns.comparison import plan
+from lacore_verification.harness.campaigns.run_all import run_all
+from lacore_verification.harness.verdicts.allowed import distance
+from lacore_verification.harness.verdicts.words import PASS
+from lacore_verification.report.problems.starters import text as starter
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.run import Run
-from lacore_verification.verdicts.allowed import distance
-from lacore_verification.verdicts.words import PASS
 
 ROOT = Path(__file__).parent.parent
 BRACKETED = (

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import lacore as la
-from lacore.backend import Capabilities, InnerSolution
+from lacore.solvers.backend import Capabilities, InnerSolution
 
 SLEEP = 3600.0
 COMPILE = 1.5

@@ -285,7 +285,7 @@ class AnswersAnotherClass(Honest):
 @lie("do not prove the answer")
 class PatchesHolds(DoublesTheLoadFactor):
     def before(self, program):
-        from lacore.certificate import Certificate
+        from lacore.program.certificate import Certificate
 
         Certificate.holds = lambda self, tolerance: True
 
@@ -293,10 +293,10 @@ class PatchesHolds(DoublesTheLoadFactor):
 @lie("do not prove the answer")
 class PatchesCertify(DoublesTheLoadFactor):
     def before(self, program):
-        import lacore.certificate
         import lacore.coupling.run
+        import lacore.program.certificate
 
-        lacore.coupling.run.certify = lacore.certificate.certify = lambda *args: None
+        lacore.coupling.run.certify = lacore.program.certificate.certify = lambda *args: None
 
 
 @lie("do not prove the answer")

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import Voronoi
 
 import lacore as la
-from lacore.bodies.blocks3d.builders.prisms import prism
+from lacore.model.bodies.blocks3d.builders.prisms import prism
 from tests.coulomb_checker_3d import accepts
 from tests.statements_3d import stated
 

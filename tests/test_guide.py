@@ -23,7 +23,7 @@ from click.testing import CliRunner
 
 import lacore as la
 from lacore_verification.commands import cli
-from lacore_verification.verify import ask
+from lacore_verification.harness.verify import ask
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?:<!-- (slow|from \S+) -->\n)?```(\w+)\n(.*?)```", flags=re.DOTALL)

@@ -11,7 +11,7 @@ import pytest
 
 import lacore as la
 from lacore_verification.__main__ import main
-from lacore_verification.store.provenance import _sources
+from lacore_verification.harness.store.provenance import _sources
 from tests.conftest import ROOT
 from tests.processes import SOURCES, hear_ctrl_c
 from tests.test_layers import PLACES

@@ -11,7 +11,7 @@ import click
 import pytest
 
 from lacore_verification.commands import cli
-from lacore_verification.problems import starters
+from lacore_verification.report.problems import starters
 from tests.conftest import ROOT
 
 PAGES = [

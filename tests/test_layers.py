@@ -16,10 +16,11 @@ from pkgutil import resolve_name
 
 import pytest
 
-from lacore import views
+from lacore.reporting import views
 
 ROOT = Path(__file__).parents[1]
 MOST_FILES, MOST_LINES, MOST_ROOMS = 16, 400, 15
+MOST_PACKAGES, MOST_LAYERS = 20, 11
 MOST_QUESTIONS = 6
 KINDS_OF_THINGS = {
     *("Body", "BlockAssembly", "Frame", "BodyDofs", "RigidDofs", "FrameDofs", "EquilibriumDofs"),
@@ -31,34 +32,18 @@ PLACES = {
     "lacore_verification": ROOT / "verification" / "lacore_verification",
 }
 LACORE = (
-    *(
-        "arrays",
-        "reporting",
-        "errors",
-        "numerics",
-        "showing",
-        "views",
-        "status",
-        "surfaces",
-        "dissipation",
-        "program",
-        "reduction",
-    ),
-    *("state", "part_forces", "certificate", "regularization", "solvers", "backend"),
-    *("inner", "claims", "coupling"),
-    *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),
-    *("limit", "bounds", "adaptive", "ranges", "questions", "paths", "files", "pictures", "doors"),
+    *("reporting", "numerics", "program", "solvers", "coupling", "model", "assembly", "limit"),
+    *("bounds", "analyses", "paths", "files", "pictures"),
 )
 """Files and folders of lacore: each imports from those before it, and from its own."""
 VERIFICATION = (
-    *("defaults", "case", "cases", "catalogue", "runs", "verdicts", "evidence", "store", "fuzz"),
-    *("perform", "campaigns", "progress", "analysis", "verify", "report", "problems"),
-    *("conformance", "usage", "commands", "__main__", "case_checks"),
+    *("defaults", "usage", "case", "cases", "runs", "catalogue", "fuzz", "harness", "report"),
+    *("conformance", "commands", "__main__", "case_checks"),
 )
 """Those of verification, alike."""
 HOUSES = {"lacore": LACORE, "lacore_verification": VERIFICATION}
-SOLVER_WING = LACORE[LACORE.index("solvers") : LACORE.index("materials")]
-MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
+SOLVER_WING = LACORE[LACORE.index("solvers") : LACORE.index("model")]
+MECHANICS_WING = LACORE[LACORE.index("model") : LACORE.index("limit")]
 NAMED = r"lacore[\w.]*:\w+"
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
@@ -189,6 +174,25 @@ def test_every_room_has_its_place(house):
     assert there - {"__init__"} == set(HOUSES[house])
 
 
+@pytest.mark.parametrize("house", HOUSES)
+def test_packages_are_few_and_on_few_layers(house):
+    """A layer above all that a package imports, in functions and for type checkers too."""
+    assert len(HOUSES[house]) <= MOST_PACKAGES
+    assert max(layers(house).values()) <= MOST_LAYERS
+
+
+def layers(house):
+    """The layer of each package of a house, from 1 at the bottom; a cycle raises `CycleError`."""
+    needs = {name: set() for name in HOUSES[house]}
+    for path in files(house):
+        if (own := room_of(path)) != "__init__":
+            needs[own] |= rooms_seen(path, house) - {own, "__init__"}
+    found = {}
+    for name in TopologicalSorter(needs).static_order():
+        found[name] = 1 + max((found[other] for other in needs[name]), default=0)
+    return found
+
+
 def room_of(path):
     """The file or folder of its house that a file is or lies in."""
     return module_of(path).split(".")[1]
@@ -316,7 +320,7 @@ HEAVY = (
 @pytest.mark.parametrize(
     ("code", "more"),
     [
-        ("import lacore", ("numpy", "lacore.errors", *OTHERS)),
+        ("import lacore", ("numpy", "lacore.reporting.errors", *OTHERS)),
         ("import lacore.solvers.child_process", ("numpy", *OTHERS)),
         ("import lacore.solvers.isolation", ("pandas", "skfem", *OTHERS)),
         ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.limit.solve",)),
@@ -351,7 +355,7 @@ for arguments in {asked!r}:
         *HEAVY,
         "lacore_backends",
         "lacore.limit.solve",
-        "lacore_verification.perform.processes",
+        "lacore_verification.harness.perform.processes",
     ]
     assert loaded_of(call, [*banned, "lacore_verification.cases.prandtl_punch"]) == []
 
@@ -359,7 +363,7 @@ for arguments in {asked!r}:
 def test_every_name_that_lacore_promises_is_there():
     """Also where a function has the name of its module, and that was imported before."""
     code = """
-import lacore.ranges.coulomb, lacore.bounds.gap_identity, lacore.paths.sequential
+import lacore.analyses.ranges.coulomb, lacore.bounds.gap_identity, lacore.paths.sequential
 import lacore as la
 from types import ModuleType
 found = {name: getattr(la, name) for name in la.__all__}

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import lacore as la
 from lacore_verification.commands.cli import main
-from lacore_verification.problems import starters
+from lacore_verification.report.problems import starters
 from tests.conftest import ROOT
 from tests.test_layers import script_of
 
@@ -55,7 +55,7 @@ def test_commands_print_one_json_document(command):
     ],
 )
 def test_exit_codes(code, command):
-    """1 and 130 are tests of `lacore solve`, in tests/verification/problems/test_solve.py."""
+    """1 and 130 are tested in tests/verification/report/problems/test_solve.py."""
     assert code in SCRIPT.CODES
     assert CliRunner().invoke(main, command).exit_code == code
 

@@ -62,7 +62,7 @@ def test_a_seed_draws_the_same_errors():
     assert len({mutant.key for mutant in one}) == 20
     for mutant in one:
         assert ast.parse(mutant.source)
-        assert mutant.tests == ("tests/lacore/claims",)
+        assert mutant.tests == ("tests/lacore/coupling/claims",)
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=str)

@@ -8,7 +8,7 @@ import pytest
 
 import lacore as la
 from lacore.reporting.kinds import Kind
-from lacore.status import Result
+from lacore.reporting.status import Result
 
 ROOT = Path(__file__).parents[1]
 JUDGED = {
@@ -17,25 +17,25 @@ JUDGED = {
 }
 """Fields that say what a result proves."""
 POINTS = {  # a copy of a state of the program with the load factor that belongs to it
-    *("lacore/bounds/stresses/projection.py", "lacore/claims/carrying.py"),
+    *("lacore/bounds/stresses/projection.py", "lacore/coupling/claims/carrying.py"),
     *("lacore/coupling/blocks/slack.py", "lacore/limit/checking.py", "lacore/limit/outcome.py"),
-    *("lacore/limit/stability.py", "lacore/limit/state.py", "lacore/regularization.py"),
+    *("lacore/limit/stability.py", "lacore/limit/state.py", "lacore/program/regularization.py"),
     *("backends/lacore_backends/_conic_laws.py", "lacore/coupling/interval.py"),
     *("backends/lacore_backends/clarabel_regularised.py", "lacore/limit/interval.py"),
-    "verification/lacore_verification/evidence/path.py",
+    "verification/lacore_verification/harness/evidence/path.py",
 }
 BUILDERS = {  # what builds a value in several steps, and is the only place that does
-    "lacore/inner/rescaling.py": "answers of solvers, which it measures in several units",
+    "lacore/solvers/inner/rescaling.py": "answers of solvers, which it measures in several units",
     "lacore/solvers/contract.py": "answers of solvers, as far as they keep the contract",
     "backends/lacore_backends/interior_point.py": "its own answer, measured again",
     "lacore/paths/flow.py": "the load of a step that lasts longer",
-    "lacore/ranges/coulomb.py": "the last iterate with the end of its mechanism",
-    "verification/lacore_verification/perform/bracket.py": "a row, which it judges",
-    "verification/lacore_verification/perform/path.py": "a row, which it judges",
-    "verification/lacore_verification/perform/ranging.py": "a row, which it judges",
-    "verification/lacore_verification/perform/worker.py": "a row, with a note on its process",
+    "lacore/analyses/ranges/coulomb.py": "the last iterate with the end of its mechanism",
+    "verification/lacore_verification/harness/perform/bracket.py": "a row, which it judges",
+    "verification/lacore_verification/harness/perform/path.py": "a row, which it judges",
+    "verification/lacore_verification/harness/perform/ranging.py": "a row, which it judges",
+    "verification/lacore_verification/harness/perform/worker.py": "a row, with a note",
     "verification/lacore_verification/conformance/suite.py": "findings, as sentences",
-    "verification/lacore_verification/campaigns/compared_programs.py": "a minimum of no use",
+    "verification/lacore_verification/harness/campaigns/compared_programs.py": "a useless minimum",
 }
 
 

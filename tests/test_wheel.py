@@ -21,7 +21,7 @@ from pathlib import Path
 import pytest
 
 import lacore as la
-from lacore.errors import DISTRIBUTION
+from lacore.reporting.errors import DISTRIBUTION
 from tests.conftest import ROOT
 
 PLACES = {"lacore": ".", "lacore_backends": "backends", "lacore_verification": "verification"}
@@ -32,7 +32,7 @@ BUILD = "import sys; from setuptools import build_meta; build_meta.build_sdist(s
 NO_INDEX = ("--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir")
 OWN_TESTS = (
     *("tests/test_docs.py", "tests/test_prose.py", "tests/test_set_up.py", "tests/test_readme.py"),
-    *("tests/lacore/test_errors.py", "tests/lacore/files/problem/test_reading.py"),
+    *("tests/lacore/reporting/test_errors.py", "tests/lacore/files/problem/test_reading.py"),
     *("tests/verification/catalogue", "tests/verification/report/test_reference_report.py"),
 )
 """A sample that reads pages, examples, constraints, the Makefile and the reference report."""

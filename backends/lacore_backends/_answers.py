@@ -1,8 +1,8 @@
 """What solvers of the regularised program answer. Not a backend."""
 
-from lacore.backend import InnerSolution
-from lacore.regularization import RegularisedPoint
-from lacore.status import Status
+from lacore.program.regularization import RegularisedPoint
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 
 
 def told(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats, Ints
+from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore_backends._conic_laws import ConicLaw
 
 _AWAY = 0.99  # of the way to the planes

@@ -15,12 +15,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from lacore.arrays import Bools, Floats, Sparse
-from lacore.backend import InnerSolution
+from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import Gram
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import Penalties, escaped, judged_status
-from lacore.status import Status
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.regularization import Penalties, escaped, judged_status
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 from lacore_backends._answers import told
 from lacore_backends._barrier_laws import BarrierLaw, Smoothed
 from lacore_backends._conic_laws import ConicLaws

@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import clarabel
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import Penalties
-from lacore.status import Status
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.regularization import Penalties
+from lacore.reporting.status import Status
 from lacore_backends._conic_form import ConicForm, Pattern
 
 STATUS_MAP: Mapping[str, Status] = {

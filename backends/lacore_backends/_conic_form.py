@@ -26,10 +26,10 @@ import clarabel
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.program import POWER, FrozenContact, KinematicProgram
-from lacore.regularization import Penalties
-from lacore.state import ProgramState
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.program.kinematic import POWER, FrozenContact, KinematicProgram
+from lacore.program.regularization import Penalties
+from lacore.program.state import ProgramState
 from lacore_backends._conic_rows import Law, Norm, placed, strain_law, wide
 from lacore_backends._surface_rows import Leads, Volumes, point_units, stress_besides
 

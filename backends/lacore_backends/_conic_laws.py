@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.dissipation import DissipationGroup
-from lacore.program import FrozenContact, KinematicProgram, interleaved
-from lacore.regularization import Penalties, RegularisedPoint, RegularisedValues, by_shifts
-from lacore.state import ProgramState
-from lacore.surfaces import Surfaces
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.program.dissipation import DissipationGroup
+from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
+from lacore.program.regularization import Penalties, RegularisedPoint, RegularisedValues, by_shifts
+from lacore.program.state import ProgramState
+from lacore.program.surfaces import Surfaces
 
 _NONE, _ZERO = np.zeros((1, 1)), np.zeros((1, 1, 1))  # nothing besides; nothing that rises
 

@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore.numerics.second_order_cones import (
     Scaling,
     applied,

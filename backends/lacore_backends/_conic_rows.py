@@ -7,8 +7,8 @@ import clarabel
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats, Sparse
-from lacore.program import DissipationGroup, interleaved
+from lacore.numerics.arrays import Floats, Sparse
+from lacore.program.kinematic import DissipationGroup, interleaved
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
-from lacore.errors import require_count, require_positive
+from lacore.reporting.errors import require_count, require_positive
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import clarabel
 import numpy as np
 from scipy.sparse import csc_matrix
 
-from lacore.arrays import Floats
-from lacore.errors import InputError
-from lacore.program import POWER, FrozenContact, KinematicProgram
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import POWER, FrozenContact, KinematicProgram
+from lacore.reporting.errors import InputError
 from lacore_backends._conic_form import ConicForm, Pattern
 
 _ZERO, _NONNEGATIVE, _SECOND_ORDER = "zero", "nonnegative", "second-order"

@@ -7,8 +7,8 @@ from typing import Any
 import casadi as ca
 from scipy.sparse import csc_matrix
 
-from lacore.arrays import Sparse
-from lacore.status import Status
+from lacore.numerics.arrays import Sparse
+from lacore.reporting.status import Status
 
 # Diverged or infeasible is IPOPT's guess; LOCKED and UNSAFE need evidence, which the backends seek.
 STATUS_MAP: Mapping[str, Status] = {

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, hstack, vstack
 
-from lacore.arrays import Floats
-from lacore.program import POWER, FrozenContact, KinematicProgram
-from lacore.state import ProgramState
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import POWER, FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState
 
 
 class LinearForm:

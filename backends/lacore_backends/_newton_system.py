@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Bools, Floats, Sparse
+from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import Gram, SingularError, SymmetricSolver
-from lacore.program import FrozenContact, KinematicProgram, interleaved
-from lacore.regularization import Beside, Penalties, RegularisedPoint, beside, evaluate
+from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
+from lacore.program.regularization import Beside, Penalties, RegularisedPoint, beside, evaluate
 
 _ROUND_OFF = 1e-16  # of the largest curvature: its precision
 _FLOOR = 1e-13  # of the largest curvature: the first shift above it

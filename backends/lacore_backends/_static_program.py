@@ -18,10 +18,10 @@ import casadi as ca
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, hstack, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.state import ProgramState
-from lacore.surfaces import Surfaces
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState
+from lacore.program.surfaces import Surfaces
 from lacore_backends._ipopt import to_casadi
 
 LARGEST = 1e6  # dimensionless load factor that no structure carries

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, identity
 
-from lacore.arrays import Bools, Floats, Sparse
-from lacore.program import DissipationGroup
+from lacore.numerics.arrays import Bools, Floats, Sparse
+from lacore.program.kinematic import DissipationGroup
 
 _SLIGHT = 1e-3  # hardening per bound, at rates of order 1
 _SMALL = 0.1  # weight times strain rate per velocity, in natural units: of a few hundred elements

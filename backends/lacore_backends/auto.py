@@ -10,7 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lacore.backend import (
+from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicProgram
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import (
     Capabilities,
     InnerSolution,
     PreparedSolver,
@@ -18,10 +21,7 @@ from lacore.backend import (
     checked_answer,
     find_backend,
 )
-from lacore.errors import require_count, require_positive
-from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.solvers.compilation import SolveClock
-from lacore.status import Status
 
 _OWN, _OTHER = "interior_point", "clarabel"
 # Unknowns from which the first is faster (docs/design-decisions.md).
@@ -167,7 +167,7 @@ class AutoSolver:
 
     def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Attempt":
         """What one says in the time that is left, and what its answer leaves."""
-        from lacore.inner.left_over import judged_left
+        from lacore.solvers.inner.left_over import judged_left
         from lacore_backends._embedding.dilating import as_moved  # not for `capabilities`
 
         solver = self._made(name, spent, _PATIENCE) if second else self._first(name)

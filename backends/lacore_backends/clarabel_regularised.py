@@ -10,10 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import require_count, require_positive
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import (
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.regularization import (
     RegularisedPoint,
     by_shifts,
     check_penalties,
@@ -21,7 +19,9 @@ from lacore.regularization import (
     judged_status,
     penalties,
 )
-from lacore.status import Status
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._clarabel import STATUS_MAP, ClarabelResult, ConicSolver, version
 
 _PROVEN = 1e-8  # of the power: gap at which the duals are those of the velocity

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from lacore.backend import Capabilities, InnerSolution, Writer
-from lacore.errors import require_count, require_positive
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.status import Status
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution, Writer
 from lacore_backends._clarabel import STATUS_MAP, ConicSolver, version
 from lacore_backends._instances import write_cbf, write_npz
 

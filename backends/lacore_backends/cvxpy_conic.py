@@ -25,12 +25,12 @@ import numpy as np
 from cvxpy.reductions.solvers.defines import SOLVER_MAP_CONIC, SOLVER_MAP_QP
 from scipy.sparse import diags_array
 
-from lacore.arrays import Bools, Floats, Sparse
-from lacore.backend import Capabilities, InnerSolution
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.state import ProgramState
-from lacore.status import Status
-from lacore.surfaces import Surfaces
+from lacore.numerics.arrays import Bools, Floats, Sparse
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState
+from lacore.program.surfaces import Surfaces
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._cvxpy_solvers import (
     SOLVERS,
     OwnDefaults,

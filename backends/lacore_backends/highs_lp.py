@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 import highspy
 import numpy as np
 
-from lacore.backend import Capabilities, InnerSolution, Writer
-from lacore.errors import InputError, require_count, require_known, require_positive
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.status import Status
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.reporting.errors import InputError, require_count, require_known, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution, Writer
 from lacore_backends._instances import heading
 from lacore_backends._linear_form import LinearForm
 

@@ -15,17 +15,17 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
-from lacore.arrays import Floats, Sparse
-from lacore.backend import Capabilities, InnerSolution, PreparedSolver
-from lacore.errors import require_count, require_positive
-from lacore.inner.left_over import judged_left
+from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.solvers.compilation import compiling
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.solvers.inner.left_over import judged_left
 from lacore_backends._embedding.arrays import Translation
 from lacore_backends._embedding.dilating import as_moved
 from lacore_backends._embedding.follow import EmbeddingResult, follow

@@ -15,11 +15,9 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from lacore.arrays import Floats, Sparse
-from lacore.backend import Capabilities, InnerSolution, PreparedSolver
-from lacore.errors import InputError, is_number, require_count, require_positive
-from lacore.program import FrozenContact, KinematicProgram, interleaved
-from lacore.regularization import (
+from lacore.numerics.arrays import Floats, Sparse
+from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
+from lacore.program.regularization import (
     Penalties,
     check_penalties,
     escaped,
@@ -27,7 +25,9 @@ from lacore.regularization import (
     judged_status,
     penalties,
 )
-from lacore.status import Status
+from lacore.reporting.errors import InputError, is_number, require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore_backends._barrier_program import BarrierSolver, Fading
 from lacore_backends._huber_laws import Law, contact_law, plastic_law
 from lacore_backends._ipopt import STATUS_MAP, solver_version, to_casadi, unavailable

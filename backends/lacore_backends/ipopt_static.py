@@ -12,12 +12,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import require_count, require_positive
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.state import ProgramState, out_of_balance
-from lacore.status import Status
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState, out_of_balance
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._ipopt import STATUS_MAP, solver_version, unavailable
 from lacore_backends._static_program import LARGEST, StaticProgram
 

@@ -17,13 +17,11 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
-from lacore.arrays import Bools, Floats
-from lacore.backend import Capabilities, InnerSolution, PreparedSolver
-from lacore.errors import require_count, require_positive
+from lacore.numerics.arrays import Bools, Floats
 from lacore.numerics.linear_algebra import Gram, SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import (
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.regularization import (
     Penalties,
     RegularisedPoint,
     check_penalties,
@@ -32,7 +30,9 @@ from lacore.regularization import (
     judged_status,
     penalties,
 )
-from lacore.status import Status
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore_backends._answers import told
 from lacore_backends._conic_laws import ConicLaws
 from lacore_backends._goal import Goal

@@ -21,12 +21,10 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize, root
 from scipy.sparse import diags_array
 
-from lacore.arrays import Floats, Sparse
-from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import CapabilityError, require_count, require_positive
+from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.threads import one_thread_each
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import (
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.regularization import (
     Penalties,
     RegularisedPoint,
     check_penalties,
@@ -35,7 +33,9 @@ from lacore.regularization import (
     judged_status,
     penalties,
 )
-from lacore.status import Status
+from lacore.reporting.errors import CapabilityError, require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._answers import told
 
 _BALANCED = 1e-7  # of the forces: an end that deserves a certificate's look

@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Mapping
 from importlib import import_module
+from importlib.util import find_spec
 from inspect import cleandoc
 from itertools import pairwise
 from pathlib import Path
@@ -21,9 +22,15 @@ def by_room() -> dict[str, list[str]]:
         if isinstance(node, ast.ImportFrom):
             for alias in node.names:
                 own = alias.name if isinstance(getattr(la, alias.name), ModuleType) else ""
-                room = own or (node.module or alias.name).split(".")[0]
+                room = own or _room(node.module or alias.name)
                 found.setdefault(room, []).append(alias.name)
     return found
+
+
+def _room(module: str) -> str:
+    """Return the package of a module: below `model` one of its parts, such as ``materials``."""
+    first, *others = module.split(".")
+    return others[0] if first == "model" else first
 
 
 def pages() -> Mapping[str, str]:
@@ -102,8 +109,13 @@ def _alias(name: str, home: str) -> str:
 
 def _first_line(room: str, names: list[str]) -> str:
     thing = getattr(la, names[0])
-    module = thing if isinstance(thing, ModuleType) else import_module(f"lacore.{room}")
+    module = thing if isinstance(thing, ModuleType) else import_module(_package(room))
     return (module.__doc__ or "").strip().partition("\n\n")[0].replace("\n", " ")
+
+
+def _package(room: str) -> str:
+    inside = f"lacore.model.{room}"
+    return inside if find_spec(inside) else f"lacore.{room}"
 
 
 def _directive(name: str, thing: object) -> str:

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from lacore import __version__
-from lacore.problem import types
+from lacore.model.problem import types
 
 sys.path.insert(0, str(Path(__file__).parent))
 

@@ -5,16 +5,16 @@ from dataclasses import replace
 from math import inf, isfinite, nan
 
 from lacore.bounds.enclosing import has_coulomb
-from lacore_verification.analysis.summary import VariantSummary, summaries
 from lacore_verification.case import KINDS, Case
 from lacore_verification.case.band import BRACKET
+from lacore_verification.harness.analysis.summary import VariantSummary, summaries
+from lacore_verification.harness.verdicts.bracket import STRICT
+from lacore_verification.harness.verdicts.words import PASS
 from lacore_verification.report.blocks import Block, Columns, Details, Facts, Preformatted, Section
 from lacore_verification.report.drawing import Drawn
 from lacore_verification.report.manual import page_of
 from lacore_verification.report.overview import proven
 from lacore_verification.runs.row import Row
-from lacore_verification.verdicts.bracket import STRICT
-from lacore_verification.verdicts.words import PASS
 from myst import Writer, escaped
 from pictures import enclosed, mechanism
 from results import Results

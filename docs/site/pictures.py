@@ -9,17 +9,17 @@ from functools import partial
 from pathlib import Path
 
 import lacore as la
-from lacore import views
 from lacore.bounds.enclosing import associated
 from lacore.pictures.thumbnails import DPI
+from lacore.reporting import views
 from lacore_verification.case import Case
 from lacore_verification.case.band import BRACKET
+from lacore_verification.harness.store.provenance import code_version
+from lacore_verification.harness.verdicts.words import PASS
 from lacore_verification.report.blocks import Picture, Text
 from lacore_verification.report.drawing import Drawn, Figures, Subject, drawing, sketch
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.run import Run
-from lacore_verification.store.provenance import code_version
-from lacore_verification.verdicts.words import PASS
 
 _SEEN = "mechanism"
 _SMALL = "small"

@@ -21,12 +21,12 @@ import pandas as pd
 
 from lacore_verification.case.band import BRACKET
 from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.harness.store.results import load_outcomes
+from lacore_verification.harness.store.store import file_of, sessions
+from lacore_verification.harness.verify.finding import load_checks
 from lacore_verification.runs.outcome import Evidence, Outcome
 from lacore_verification.runs.row import Row
 from lacore_verification.runs.run import Run, canonical
-from lacore_verification.store.results import load_outcomes
-from lacore_verification.store.store import file_of, sessions
-from lacore_verification.verify.finding import load_checks
 
 FILE = Path(__file__).parent / "results.jsonl.gz"
 SEAL = Path(f"{FILE}.sha256")

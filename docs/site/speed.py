@@ -9,20 +9,20 @@ import pandas as pd
 
 import benchmarks
 import kept
-from lacore_verification.analysis.profiles import (
+from lacore_verification.case.band import BRACKET
+from lacore_verification.fuzz.programs.judge import BAR
+from lacore_verification.harness.analysis.profiles import (
     Costs,
     costs,
     performance_profile,
     shifted_geometric_means,
 )
-from lacore_verification.case.band import BRACKET
-from lacore_verification.fuzz.programs.judge import BAR
+from lacore_verification.harness.verdicts.words import SKIPPED
 from lacore_verification.report.blocks import Block, Drawing, Heading, Table, Text
 from lacore_verification.report.charts import axes
 from lacore_verification.report.charts.axes import Axis
 from lacore_verification.report.columns import Column
 from lacore_verification.report.page import results_frame
-from lacore_verification.verdicts.words import SKIPPED
 from myst import Writer
 from results import Results
 

@@ -17,12 +17,12 @@ import ecos
 import numpy as np
 import scipy.sparse as sp
 
-from lacore.arrays import Bools, Floats, Sparse
-from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import require_count, require_positive
+from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.program import FrozenContact, KinematicProgram, interleaved
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import require_count, require_positive
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Capabilities, InnerSolution
 
 _LATE = "late"  # ours: ECOS does not look at the clock
 

@@ -15,14 +15,14 @@ from scipy.sparse import block_diag, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import lsqr
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.bodies.any_body import Dofs, RigidParts
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.loads import Fix
-from lacore.contact.interfaces import Interface
-from lacore.contact.segments import Segments
+from lacore.model.bodies.any_body import Dofs, RigidParts
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.conditions.loads import Fix
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.segments import Segments
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.null_space import null_space_by_parts
-from lacore.problem.problem import Problem
 
 
 @dataclass(frozen=True)

@@ -7,21 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Bools, Ints, Sparse
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs, dofs_of_kind
-from lacore.bodies.blocks.rigid_blocks import RigidBlocks
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.jumps import Jumps
-from lacore.bodies.continuum.slip import Slip
-from lacore.bodies.continuum.solid.memory import told_memory, velocity_memory
-from lacore.bodies.frames.dofs import FrameDofs
-from lacore.contact.rows import ContactPoints
-from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram, Scales
-from lacore.showing import Facts, Picture, Shown, counted, listed, sized
-from lacore.status import Claim, Rigor, Scope
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs, dofs_of_kind
+from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.jumps import Jumps
+from lacore.model.bodies.continuum.slip import Slip
+from lacore.model.bodies.continuum.solid.memory import told_memory, velocity_memory
+from lacore.model.bodies.frames.dofs import FrameDofs
+from lacore.model.contact.rows import ContactPoints
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Ints, Sparse
+from lacore.program.kinematic import KinematicProgram, Scales
+from lacore.reporting.showing import Facts, Picture, Shown, counted, listed, sized
+from lacore.reporting.status import Claim, Rigor, Scope
 
 _EXACT = Claim("exact", "rigid blocks and frames have no discretisation")
 _OF_POLYGONS = {

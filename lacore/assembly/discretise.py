@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats
 from lacore.assembly.bonds import joined_parts, ties
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.held_loads import moved_to_holders, require_stated_side
@@ -20,22 +19,23 @@ from lacore.assembly.slips import slips
 from lacore.assembly.span_nodes import spanned
 from lacore.assembly.sticking import yielding
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.jumps import Jumps, jumps, movable
-from lacore.bodies.continuum.slip import Slip
-from lacore.bodies.continuum.solid.face_jumps import face_jumps
-from lacore.bodies.continuum.solid.holding import slid_past
-from lacore.bodies.continuum.solid.memory import require_memory, velocity_memory
-from lacore.conditions.loads import Load
-from lacore.contact.interfaces import Interface
-from lacore.contact.rows import ContactPoints, contact_rows
-from lacore.contact.touching import Touching
-from lacore.errors import InputError, typed
-from lacore.problem.problem import Problem
-from lacore.problem.wet import acting
-from lacore.program import ContactRows, KinematicProgram
-from lacore.reduction import held_shut, kept_points, reduced
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.jumps import Jumps, jumps, movable
+from lacore.model.bodies.continuum.slip import Slip
+from lacore.model.bodies.continuum.solid.face_jumps import face_jumps
+from lacore.model.bodies.continuum.solid.holding import slid_past
+from lacore.model.bodies.continuum.solid.memory import require_memory, velocity_memory
+from lacore.model.conditions.loads import Load
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.rows import ContactPoints, contact_rows
+from lacore.model.contact.touching import Touching
+from lacore.model.problem.problem import Problem
+from lacore.model.problem.wet import acting
+from lacore.numerics.arrays import Bools, Floats
+from lacore.program.kinematic import ContactRows, KinematicProgram
+from lacore.program.reduction import held_shut, kept_points, reduced
+from lacore.reporting.errors import InputError, typed
 
 _STRAIGHT = 1 - 1e-9  # mean length of normals of edges on one line
 
@@ -48,7 +48,7 @@ Contact = Callable[
 def touching(
     interfaces: Sequence[Interface], segments: Sequence[Touching], unknowns: Unknowns
 ) -> tuple[ContactRows, ContactPoints]:
-    """Contact where bodies touch: see `lacore.contact.rows.contact_rows`."""
+    """Contact where bodies touch: see `lacore.model.contact.rows.contact_rows`."""
     return contact_rows(
         interfaces, segments, unknowns.dofs, unknowns.blocks, unknowns.n, unknowns.dimension
     )

@@ -11,20 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.bonds import Ties
 from lacore.assembly.slips import contact_facets
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.boundaries import outward_normals
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.loaded import force_along
-from lacore.bodies.continuum.slip import Slip
-from lacore.bodies.continuum.solid.holding import slid_past
-from lacore.conditions.loads import Load
-from lacore.contact.interfaces import Interface
-from lacore.errors import InputError
-from lacore.problem.problem import Problem
-from lacore.showing import Compact
+from lacore.model.bodies.continuum.boundaries import outward_normals
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.loaded import force_along
+from lacore.model.bodies.continuum.slip import Slip
+from lacore.model.bodies.continuum.solid.holding import slid_past
+from lacore.model.conditions.loads import Load
+from lacore.model.contact.interfaces import Interface
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 _ROUND_OFF = 1e-9  # of a load: components along facets from the round-off of their normals
 

@@ -7,23 +7,23 @@ from typing import cast
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, hstack
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.assembly.bonds import Ties, rigid_basis, supports_of
 from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import outward_normals
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.loaded import facets_of
-from lacore.bodies.continuum.slip import Slip
-from lacore.bodies.continuum.solid.holding import solid_free_basis
-from lacore.conditions.elimination import NodeConditions, free_basis, held, join
-from lacore.conditions.footings import Footing, RigidFooting
-from lacore.conditions.loads import Fix
-from lacore.conditions.nodes import footing_conditions, support_conditions
-from lacore.errors import InputError
-from lacore.meshes.curved import is_curved
-from lacore.problem.problem import Problem
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import outward_normals
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.slip import Slip
+from lacore.model.bodies.continuum.solid.holding import solid_free_basis
+from lacore.model.conditions.elimination import NodeConditions, free_basis, held, join
+from lacore.model.conditions.footings import Footing, RigidFooting
+from lacore.model.conditions.loads import Fix
+from lacore.model.conditions.nodes import footing_conditions, support_conditions
+from lacore.model.meshes.curved import is_curved
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.reporting.errors import InputError
 
 _STRAIGHT = 1 - 1e-9  # cosine between normals of edges on one line
 _CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more

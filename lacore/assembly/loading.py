@@ -6,18 +6,18 @@ from typing import Protocol
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.conditions.footings import Footing, RigidFooting, Twist, footings
-from lacore.conditions.loads import Load
-from lacore.errors import InputError
-from lacore.problem.problem import Problem
+from lacore.model.conditions.footings import Footing, RigidFooting, Twist, footings
+from lacore.model.conditions.loads import Load
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
 _ROUND_OFF = 1e-12  # of the load that remains where supports take all of it
 
 
 class Loaded(Protocol):
-    """Unknowns of a body that take forces: see `lacore.bodies.any_body.Dofs`."""
+    """Unknowns of a body that take forces: see `lacore.model.bodies.any_body.Dofs`."""
 
     @property
     def offset(self) -> int:

@@ -6,12 +6,12 @@ from math import cbrt, fsum, sqrt
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
-from lacore.arrays import Floats, Sparse
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.regions.gathering import by_body, region_count
-from lacore.dissipation import DissipationGroup
-from lacore.errors import InputError
-from lacore.program import KinematicProgram, Scales
+from lacore.model.bodies.continuum.regions.gathering import by_body, region_count
+from lacore.numerics.arrays import Floats, Sparse
+from lacore.program.dissipation import DissipationGroup
+from lacore.program.kinematic import KinematicProgram, Scales
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
 

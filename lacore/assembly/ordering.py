@@ -9,11 +9,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.blocks.rigid_blocks import RigidBlocks
-from lacore.contact.rows import ContactPoints
-from lacore.program import ContactRows
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.model.contact.rows import ContactPoints
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import ContactRows
 
 _DIGITS = 9  # of places per size, and of normals: above round-off
 

@@ -11,20 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.assembly.bonds import Ties
-from lacore.bodies.any_body import Dofs
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.jumps import Jumps, layer
-from lacore.bodies.continuum.regions.layers import Beside, Layer, costs, within_both
-from lacore.bodies.continuum.regions.region import Region
-from lacore.contact.controls import controls
-from lacore.contact.interfaces import Interface
-from lacore.contact.rows import jump_rows
-from lacore.contact.segments import Segments
-from lacore.errors import InputError
-from lacore.problem.problem import Problem
-from lacore.showing import Compact
+from lacore.model.bodies.any_body import Dofs
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.jumps import Jumps, layer
+from lacore.model.bodies.continuum.regions.layers import Beside, Layer, costs, within_both
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.contact.controls import controls
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.rows import jump_rows
+from lacore.model.contact.segments import Segments
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 _ORDER = (0, 2, 1)  # of control values along an edge: start, middle, end
 

@@ -15,17 +15,17 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from lacore.arrays import Bools, Floats, Ints
 from lacore.assembly.bonds import supports_of
-from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.slip import Slip
-from lacore.conditions.elimination import NodeConditions, contradictory, join
-from lacore.conditions.footings import Footing
-from lacore.conditions.nodes import footing_conditions, support_conditions
-from lacore.problem.matching import glued
-from lacore.problem.problem import Problem
-from lacore.showing import Compact
+from lacore.model.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.slip import Slip
+from lacore.model.conditions.elimination import NodeConditions, contradictory, join
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.nodes import footing_conditions, support_conditions
+from lacore.model.problem.matching import glued
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats, Ints
+from lacore.reporting.showing import Compact
 
 _NONE = np.zeros(0, dtype=np.int64)
 _PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`

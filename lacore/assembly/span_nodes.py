@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats, Ints
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.frames.dofs import FrameDofs
-from lacore.bodies.frames.frame import Frame
-from lacore.conditions.loads import Fix
-from lacore.contact.interfaces import Interface
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.frames.dofs import FrameDofs
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.conditions.loads import Fix
+from lacore.model.contact.interfaces import Interface
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats, Ints
 
 _BESIDE = 4.0  # tolerances: from where another member crosses
 

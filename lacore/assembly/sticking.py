@@ -13,16 +13,16 @@ from math import inf, isinf
 
 import numpy as np
 
-from lacore.arrays import Ints
 from lacore.assembly.slips import asked_of, contact_facets, meetings
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.footings import Footing
-from lacore.contact.interfaces import Interface
-from lacore.materials.friction import STICK, Tresca
-from lacore.problem.problem import Problem
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.conditions.footings import Footing
+from lacore.model.contact.interfaces import Interface
+from lacore.model.materials.friction import STICK, Tresca
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Ints
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.status import Status
+from lacore.reporting.status import Status
 
 
 def yielding(

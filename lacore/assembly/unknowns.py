@@ -7,17 +7,17 @@ from math import fsum
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import count_speeds, numbered_speeds
-from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind, rigid_blocks
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.blocks.rigid_blocks import RigidBlocks
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.frames.dofs import FrameDofs
-from lacore.bodies.frames.frame import Frame
-from lacore.conditions.footings import Footing
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import Dofs, RigidParts, numbered, of_kind, rigid_blocks
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.frames.dofs import FrameDofs
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.conditions.footings import Footing
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

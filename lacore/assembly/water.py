@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.water import in_pores
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.water import in_pores
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 
 _FEELS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])  # of (xx, yy, zz, xy), in space (.., yz, zx)
 

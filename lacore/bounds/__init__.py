@@ -1,1 +1,1 @@
-"""Load factors from below and from above, proven (T22-T26)."""
+"""Lower and upper bounds on load factors, and brackets of both (T22-T26)."""

@@ -7,18 +7,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from lacore.assembly.holding import slides_on_chords
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.body_forces import require_linear
-from lacore.bodies.continuum.regions.region import Region
-from lacore.bodies.continuum.spaces import SPACES
-from lacore.conditions.footings import footings
-from lacore.errors import InputError
-from lacore.materials.criterion import Criterion
-from lacore.materials.friction import Coulomb, Friction, friction_law
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.body_forces import require_linear
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.continuum.spaces import SPACES
+from lacore.model.conditions.footings import footings
+from lacore.model.materials.criterion import Criterion
+from lacore.model.materials.friction import Coulomb, Friction, friction_law
+from lacore.model.problem.problem import Problem
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
 

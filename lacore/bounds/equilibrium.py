@@ -18,20 +18,20 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from skfem import Mesh
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.body_forces import force_field
-from lacore.bodies.continuum.boundaries import facet_geometry, outward_normals
-from lacore.bodies.continuum.loaded import facets_of
-from lacore.bodies.continuum.regions.varying import Varying
-from lacore.bodies.continuum.solid.faces import face_geometry
-from lacore.bodies.continuum.water import in_pores, on_facets
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.footings import Footing
-from lacore.conditions.loads import Load, Pressure, Traction
-from lacore.conditions.water import PorePressure, StandingWater
-from lacore.program import DissipationGroup
-from lacore.showing import Compact
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.body_forces import force_field
+from lacore.model.bodies.continuum.boundaries import facet_geometry, outward_normals
+from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.regions.varying import Varying
+from lacore.model.bodies.continuum.solid.faces import face_geometry
+from lacore.model.bodies.continuum.water import in_pores, on_facets
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.loads import Load, Pressure, Traction
+from lacore.model.conditions.water import PorePressure, StandingWater
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import DissipationGroup
+from lacore.reporting.showing import Compact
 
 _OPPOSITE = {2: np.array([2, 0, 1]), 3: np.array([3, 2, 1, 0])}
 """Local vertex across each local facet of scikit-fem, by dimension."""

@@ -8,27 +8,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lacore import views
-from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.regions.gathering import by_body, element_sums
-from lacore.bodies.continuum.slip import Slip
 from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.quadratic.bubbles import bubble_power
 from lacore.bounds.solid.restriction import solid_restriction
 from lacore.bounds.upper import UpperBound, plastic_power
-from lacore.errors import InputError, typed
 from lacore.limit.state import LimitState
-from lacore.program import require_homogeneous
-from lacore.reporting import terms
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.regions.gathering import by_body, element_sums
+from lacore.model.bodies.continuum.slip import Slip
+from lacore.numerics.arrays import Floats, Ints
+from lacore.program.kinematic import require_homogeneous
+from lacore.reporting import terms, views
+from lacore.reporting.errors import InputError, typed
+from lacore.reporting.showing import Facts, Picture, Shown, counted
+from lacore.reporting.status import Status
 from lacore.reporting.text import text
-from lacore.showing import Facts, Picture, Shown, counted
-from lacore.status import Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

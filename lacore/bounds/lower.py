@@ -11,38 +11,38 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from lacore import views
-from lacore.arrays import Floats
 from lacore.assembly.water import pore_pressures, total_stress
-from lacore.backend import (
+from lacore.bounds.precision import exactness, smallest_angle
+from lacore.bounds.static_model import StaticModel, static_model
+from lacore.bounds.stresses.admissible import margins, weaker
+from lacore.bounds.stresses.attempt import Attempt, attempt
+from lacore.coupling.claims.judged import Prepare, Ray, judged_claim
+from lacore.limit.conversion import in_si, ray_in_si
+from lacore.limit.tables.contact_table import traction_table
+from lacore.model.bodies.continuum.regions.gathering import by_body, continuum_stress
+from lacore.model.bodies.continuum.regions.lending import hardly_any, next_to_none
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import Certificate
+from lacore.program.kinematic import KinematicProgram, associated_contact, dimensionless
+from lacore.program.state import ProgramState
+from lacore.reporting import views
+from lacore.reporting.errors import typed
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.showing import Facts, Picture, counted
+from lacore.reporting.status import Reported, Rigor, Status
+from lacore.reporting.text import PYTHON, Quantity
+from lacore.solvers.backend import (
     check_capable,
     checked_answer,
     find_backend,
     nominal_tolerance,
     read_options,
 )
-from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
-from lacore.bodies.continuum.regions.lending import hardly_any, next_to_none
-from lacore.bounds.precision import exactness, smallest_angle
-from lacore.bounds.static_model import StaticModel, static_model
-from lacore.bounds.stresses.admissible import margins, weaker
-from lacore.bounds.stresses.attempt import Attempt, attempt
-from lacore.certificate import Certificate
-from lacore.claims.judged import Prepare, Ray, judged_claim
-from lacore.errors import typed
-from lacore.inner.preparing import preparing, require_exact
-from lacore.limit.conversion import in_si, ray_in_si
-from lacore.limit.tables.contact_table import traction_table
-from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram, associated_contact, dimensionless
-from lacore.reporting.findings import Finding, Severity
-from lacore.reporting.kinds import Kind
-from lacore.reporting.text import PYTHON, Quantity
-from lacore.showing import Facts, Picture, counted
 from lacore.solvers.compilation import SolveClock, started
+from lacore.solvers.inner.preparing import preparing, require_exact
 from lacore.solvers.isolation import make_ready
-from lacore.state import ProgramState
-from lacore.status import Reported, Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import checked_answer
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.inner.preparing import Prepare
-from lacore.program import DissipationGroup, KinematicProgram, associated_contact
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import DissipationGroup, KinematicProgram, associated_contact
+from lacore.solvers.backend import checked_answer
+from lacore.solvers.inner.preparing import Prepare
 
 _MARGINS = (1e-6, 1e-5, 1e-4)  # M, of a dimensionless program: the first is enough as a rule
 _ROUND_OFF = 1e-12  # of the largest rate: the margin that is left

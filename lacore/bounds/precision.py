@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from lacore.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.body import Body
 
 _EXACT = 1e-12  # of quantities of order one, sums of thousands of terms
 

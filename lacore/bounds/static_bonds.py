@@ -10,16 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import selected, traction_station
-from lacore.conditions.elimination import NodeConditions, held, join
-from lacore.contact.interfaces import Interface
-from lacore.contact.segments import Segments
-from lacore.errors import InputError
-from lacore.showing import Compact
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.conditions.elimination import NodeConditions, held, join
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.segments import Segments
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
-from lacore.contact.interfaces import Interface
-from lacore.contact.laws import laws_of
-from lacore.contact.rows import ContactPoints, Station, interface_station, joined
-from lacore.contact.segments import Segments
-from lacore.errors import InputError
-from lacore.program import ContactRows
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.continuum.boundaries import facet_geometry
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.laws import laws_of
+from lacore.model.contact.rows import ContactPoints, Station, interface_station, joined
+from lacore.model.contact.segments import Segments
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.program.kinematic import ContactRows
+from lacore.reporting.errors import InputError
 
 _SAME_PLACE = 1e-9  # of the body size
 _MISSING = 2.0  # times the distance up to which coordinates count as one: at either end

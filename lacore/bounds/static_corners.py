@@ -12,10 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.linalg import norm
 
-from lacore.arrays import Floats, Ints, Sparse
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
-from lacore.errors import InputError
-from lacore.program import KinematicProgram
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import KinematicProgram
+from lacore.reporting.errors import InputError
 
 _PARALLEL = 1e-9  # sine
 _ROUND_OFF = 1e-9  # of the load on the facets at a vertex
@@ -30,7 +30,7 @@ class CornerError(InputError):
             f"Problem.bodies[{body!r}].mesh",
             elements,
             "the loads at a corner of these elements ask for two shear stresses in one place",
-            "split them, `lacore.meshes.split(mesh, elements)`, or take a crossed mesh",
+            "split them, `lacore.model.meshes.split(mesh, elements)`, or take a crossed mesh",
         )
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:

@@ -8,21 +8,9 @@ import numpy as np
 from scipy.sparse import block_diag, csr_matrix
 from skfem.mesh import MeshTet1, MeshTri1
 
-from lacore.arrays import Floats, Ints, Sparse
 from lacore.assembly.bonds import rigid_basis, supports_of
 from lacore.assembly.loading import count_speeds, load_vector, numbered_speeds, require_power
 from lacore.assembly.natural import strengths_of
-from lacore.bodies.any_body import numbered, of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.body_forces import require_carried
-from lacore.bodies.continuum.boundaries import facet_geometry
-from lacore.bodies.continuum.loaded import facets_of
-from lacore.bodies.continuum.regions.gathering import by_body
-from lacore.bodies.continuum.regions.lending import lend, strengthless
-from lacore.bodies.continuum.solid.memory import require_memory, stress_memory, told_memory
-from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import (
     named_criterion,
     require_associated_flow,
@@ -34,21 +22,33 @@ from lacore.bounds.solid.static_contact import face_tractions, static_free_basis
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
-from lacore.conditions.elimination import free_basis, join
-from lacore.conditions.footings import Footing
-from lacore.conditions.loads import Fix
-from lacore.conditions.nodes import footing_conditions, support_conditions
-from lacore.contact.rows import ContactPoints
-from lacore.errors import InputError
-from lacore.meshes.curved import vertices
-from lacore.problem.matching import matching
-from lacore.problem.problem import Problem
-from lacore.problem.wet import acting
-from lacore.program import DissipationGroup, KinematicProgram, Scales
-from lacore.reduction import held_shut, kept_points, reduced
+from lacore.model.bodies.any_body import numbered, of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.body_forces import require_carried
+from lacore.model.bodies.continuum.boundaries import facet_geometry
+from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.regions.gathering import by_body
+from lacore.model.bodies.continuum.regions.lending import lend, strengthless
+from lacore.model.bodies.continuum.solid.memory import require_memory, stress_memory, told_memory
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.conditions.elimination import free_basis, join
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.loads import Fix
+from lacore.model.conditions.nodes import footing_conditions, support_conditions
+from lacore.model.contact.rows import ContactPoints
+from lacore.model.meshes.curved import vertices
+from lacore.model.problem.matching import matching
+from lacore.model.problem.problem import Problem
+from lacore.model.problem.wet import acting
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import DissipationGroup, KinematicProgram, Scales
+from lacore.program.reduction import held_shut, kept_points, reduced
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Facts, Shown, counted, listed, sized
 from lacore.reporting.text import Quantity, text
-from lacore.showing import Facts, Shown, counted, listed, sized
 
 
 @dataclass(frozen=True, repr=False)

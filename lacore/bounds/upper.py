@@ -9,17 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse.linalg import lsqr
 
-from lacore.arrays import Bools, Floats
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.regions.gathering import (
-    by_body,
-    element_sums,
-    gathered,
-    region_count,
-)
-from lacore.bodies.continuum.regions.lattices import on_lattice
 from lacore.bounds.enclosing import (
     require_associated_flow,
     require_chords,
@@ -28,32 +18,42 @@ from lacore.bounds.enclosing import (
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.certificate import certify
-from lacore.claims.judged import Ray
-from lacore.errors import InputError, typed
-from lacore.inner.preparing import prepared_by
-from lacore.inner.rigid_motions import motions_without_strain
+from lacore.coupling.claims.judged import Ray
 from lacore.limit.conversion import point_in_program
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
-from lacore.problem.problem import Problem
-from lacore.program import (
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.regions.gathering import (
+    by_body,
+    element_sums,
+    gathered,
+    region_count,
+)
+from lacore.model.bodies.continuum.regions.lattices import on_lattice
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     DissipationGroup,
     KinematicProgram,
     associated_contact,
     dimensionless,
     require_homogeneous,
 )
-from lacore.reduction import reduced
+from lacore.program.reduction import reduced
+from lacore.program.state import ProgramState
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError, typed
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
+from lacore.reporting.showing import Facts, Picture
+from lacore.reporting.status import Reported, Rigor, Status
 from lacore.reporting.text import PYTHON, text
-from lacore.showing import Facts, Picture
-from lacore.state import ProgramState
-from lacore.status import Reported, Rigor, Status
+from lacore.solvers.inner.preparing import prepared_by
+from lacore.solvers.inner.rigid_motions import motions_without_strain
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided

@@ -8,10 +8,10 @@ a crossing of edges) get a shift, which refinement undoes.
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
-from lacore.arrays import Bools, Floats, Sparse
+from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore.numerics.symmetric import factorised
-from lacore.program import KinematicProgram
+from lacore.program.kinematic import KinematicProgram
 
 _SHIFT = 1e-11  # of rows of length 1
 _REFINEMENTS = 5

@@ -1,1 +1,1 @@
-"""Loops on contact reactions, on programs alone (T9-T14)."""
+"""Loops on contact reactions (T9-T14), and proofs of states without a load factor."""

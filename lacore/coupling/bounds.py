@@ -1,23 +1,23 @@
 """Bounds of every Coulomb load factor of a program, from admissible halves of states (T14).
 
 Of a discrete program: its frictionless value may lie above the load factors of the continuum, whose
-bounds are those of `lacore.ranges.continuum`.
+bounds are those of `lacore.analyses.ranges.continuum`.
 """
 
 import numpy as np
 
-from lacore.backend import InnerSolution
-from lacore.certificate import certify
-from lacore.claims.locking_ray import locking_ray
-from lacore.program import (
+from lacore.coupling.claims.locking_ray import locking_ray
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
     associated_contact,
     frictionless_contact,
     reaction_contact,
 )
-from lacore.state import ProgramState, out_of_balance
-from lacore.status import Status
+from lacore.program.state import ProgramState, out_of_balance
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 
 
 def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:

@@ -24,11 +24,11 @@ from lacore.coupling.run import Coupled, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, mean, resumed, s_step, static_alone
 from lacore.numerics.anderson import Anderson
-from lacore.program import frictionless_contact
+from lacore.program.kinematic import frictionless_contact
+from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.reporting.status import Status
 
 _PATIENCE = 4  # steps in a row without progress
 _LONG = 20  # of an iteration whose gap rises and falls on its way

@@ -21,12 +21,12 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, vstack
 from scipy.sparse.linalg import lsmr
 
-from lacore.arrays import Bools, Floats, Sparse
-from lacore.inner.own_unknown import with_own_unknown
-from lacore.program import FrozenContact, KinematicProgram, associated_contact
-from lacore.reduction import kept_points
-from lacore.showing import Compact
-from lacore.state import ProgramState
+from lacore.numerics.arrays import Bools, Floats, Sparse
+from lacore.program.kinematic import FrozenContact, KinematicProgram, associated_contact
+from lacore.program.reduction import kept_points
+from lacore.program.state import ProgramState
+from lacore.reporting.showing import Compact
+from lacore.solvers.inner.own_unknown import with_own_unknown
 
 # Between rest and motion, of the fastest. Velocities of interior-point methods carry noise of 1e-9
 # and more. A point that moves and is called at rest makes the face too large, which the certificate

@@ -6,18 +6,18 @@ solves the convex program, reads them off its answer and starts again.
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.coupling.run import Coupled, Run
 from lacore.numerics.anderson import Anderson
-from lacore.program import (
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
     associated_contact,
     family_contact,
     frictionless_contact,
 )
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.program.state import ProgramState
+from lacore.reporting.status import Status
 
 
 def reaction_loop(run: Run) -> Coupled:

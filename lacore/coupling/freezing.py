@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.errors import InputError
-from lacore.program import (
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
     associated_contact,
@@ -19,8 +18,9 @@ from lacore.program import (
     reaction_contact,
     shift_contact,
 )
-from lacore.showing import Compact
-from lacore.state import ProgramState
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

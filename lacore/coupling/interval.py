@@ -14,18 +14,18 @@ from enum import Enum
 
 import numpy as np
 
-from lacore.backend import PreparedSolver, checked_answer
-from lacore.certificate import Certificate, certify
 from lacore.coupling.blocks.slack import Slack
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.faces import Face, faces, ray_program
-from lacore.program import (
+from lacore.program.certificate import Certificate, certify
+from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
 )
-from lacore.showing import Facts, Shown
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.program.state import ProgramState
+from lacore.reporting.showing import Facts, Shown
+from lacore.reporting.status import Status
+from lacore.solvers.backend import PreparedSolver, checked_answer
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
 _SHARP = 1e-7  # residual of an end whose branches are right: solvers and slack leave less

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Literal
 
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 
 if TYPE_CHECKING:
-    from lacore.backend import Backend
     from lacore.coupling.run import Coupled, Run
-    from lacore.program import ContactRows, FrozenContact, KinematicProgram
+    from lacore.program.kinematic import ContactRows, FrozenContact, KinematicProgram
+    from lacore.solvers.backend import Backend
 
-_DILATING = "lacore.program:associated_contact"
-_ASSOCIATED = "lacore.program:KinematicProgram.associated"
+_DILATING = "lacore.program.kinematic:associated_contact"
+_ASSOCIATED = "lacore.program.kinematic:KinematicProgram.associated"
 
 
 @dataclass(frozen=True)
@@ -103,14 +103,14 @@ _KINDS = (
     CouplingKind(
         "frictionless",
         program="lacore.coupling.freezing:without_friction",
-        laws="lacore.program:frictionless_contact",
+        laws="lacore.program.kinematic:frictionless_contact",
         model="no friction",
         bounds="lower",
     ),
     CouplingKind(
         "stick",
         program=_ASSOCIATED,
-        laws="lacore.program:stick_contact",
+        laws="lacore.program.kinematic:stick_contact",
         model="no slip",
         bounds="upper",
     ),

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.errors import InputError
-from lacore.program import KinematicProgram
-from lacore.showing import Compact
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import KinematicProgram
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

@@ -2,8 +2,9 @@
 
 The loops (`lacore.coupling.fixed_point`, `lacore.coupling.certified`) are the only place that
 iterates on contact reactions (T9-T13). Exact backends stop when the recomputed residuals of the
-Coulomb problem (`lacore.certificate`) are within tolerance; regularised ones, whose residuals never
-vanish, when the friction bounds that they were given are those of the reactions that they return.
+Coulomb problem (`lacore.program.certificate`) are within tolerance; regularised ones, whose
+residuals never vanish, when the friction bounds that they were given are those of the reactions
+that they return.
 """
 
 from collections.abc import Callable
@@ -14,24 +15,24 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import InnerSolution, PreparedSolver, checked_answer
-from lacore.certificate import Certificate, certify
-from lacore.claims.free_motion import without_dissipation
+from lacore.coupling.claims.free_motion import without_dissipation
 from lacore.coupling.nearby import Nearby
-from lacore.errors import (
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import Certificate, certify
+from lacore.program.kinematic import FrozenContact, KinematicProgram, reaction_contact
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import (
     InputError,
     is_number,
     require_count,
     require_known,
     require_positive,
 )
-from lacore.inner.left_over import impossible
-from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.reporting.findings import Finding
-from lacore.showing import Compact
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.solvers.inner.left_over import impossible
 
 STARTS = ("associated", "zero")
 PATH = "path"

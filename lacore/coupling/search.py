@@ -17,9 +17,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import InnerSolution, PreparedSolver, checked_answer
-from lacore.certificate import certify
 from lacore.coupling.blocks.central_path import along_path
 from lacore.coupling.blocks.complementarity import poses
 from lacore.coupling.bounds import lower_bound, upper_bound
@@ -33,10 +30,13 @@ from lacore.coupling.interval import (
     proven_end,
 )
 from lacore.coupling.run import CouplingOptions, Iterate, Run
-from lacore.program import KinematicProgram, associated_contact, frictionless_contact
-from lacore.showing import Compact
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import certify
+from lacore.program.kinematic import KinematicProgram, associated_contact, frictionless_contact
+from lacore.program.state import ProgramState
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
 
 LOW, HIGH = -1.0, 1.0
 _STEPS = 10  # of friction

@@ -18,7 +18,7 @@ from lacore.coupling.steps import (
     s_steps,
     static_alone,
 )
-from lacore.state import ProgramState
+from lacore.program.state import ProgramState
 
 _UNDAMPED, _DRIFT = 10, 40  # K-steps: those that are not damped, and all; fewer do not get far
 _LOOKS = (6, 10, 20, 30, 40)  # of them, after which an S-step looks for a pair

@@ -16,10 +16,10 @@ from lacore.coupling.deadline import OutOfTime
 from lacore.coupling.freezing import Frozen, associated, frictionless
 from lacore.coupling.run import Iterate, Run
 from lacore.coupling.settling import drifted, settled
-from lacore.dissipation import DissipationGroup
-from lacore.program import KinematicProgram
-from lacore.showing import Compact
-from lacore.status import Status
+from lacore.program.dissipation import DissipationGroup
+from lacore.program.kinematic import KinematicProgram
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Status
 
 SEARCHES = {"settled": settled, "drifted": drifted}
 

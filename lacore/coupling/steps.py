@@ -19,12 +19,12 @@ from contextlib import closing
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.coupling.freezing import at_pressing, at_slip, friction_of, pressing
 from lacore.coupling.run import Iterate, Run, paired
-from lacore.program import associated_contact, shift_contact
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import associated_contact, shift_contact
+from lacore.program.state import ProgramState
+from lacore.reporting.status import Status
 
 FALLS = 0.9  # of the least gap so far: anything above is a stall
 _VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads

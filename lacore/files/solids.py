@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from lacore.arrays import Floats, Ints
 from lacore.limit.state import LimitState
+from lacore.numerics.arrays import Floats, Ints
 
 KINDS = ("stick", "slip", "open", "crush")
 

@@ -11,20 +11,20 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.nodal import element_means, node_means
-from lacore.bodies.continuum.plasticity import plasticity
-from lacore.bodies.continuum.regions.gathering import by_body, gathered, region_numbers
-from lacore.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
-from lacore.errors import InputError
 from lacore.files.solids import write_solids
 from lacore.limit.state import LimitState
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.nodal import element_means, node_means
+from lacore.model.bodies.continuum.plasticity import plasticity
+from lacore.model.bodies.continuum.regions.gathering import by_body, gathered, region_numbers
+from lacore.model.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
+from lacore.numerics.arrays import Floats, Ints
 from lacore.paths.path import Path, Snapshot
 from lacore.paths.stage import Stage
-from lacore.program import DissipationGroup
+from lacore.program.kinematic import DissipationGroup
+from lacore.reporting.errors import InputError
 
 SERIES = "path.pvd"
 _AROUND = 0.25  # of the size of the bodies: how far away outlines of tools end
@@ -147,8 +147,8 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
 
     At points: `velocity` (m/s at ``F0.u = 1``, of the step that led there), `displacement` (m,
     from the beginning, or from the last new mesh), `equivalent_strain` (means around vertices, see
-    `lacore.bodies.continuum.nodal.vertex_means`, linear between). At cells means over the strain
-    points by their
+    `lacore.model.bodies.continuum.nodal.vertex_means`, linear between). At cells means over the
+    strain points by their
     volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
     at that strain; of criteria with a law of hardening), `dissipation` (W/m^3: yield stress times
     strain rate; not of soils whose flow is not associated, as it depends on their stresses); and

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from lacore.coupling.kinds import ASSOCIATED
-from lacore.errors import typed
 from lacore.limit.judges.reached import reached_supports
 from lacore.limit.larger import held_back
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
-from lacore.problem.problem import Problem
+from lacore.model.problem.problem import Problem
+from lacore.reporting.errors import typed
 from lacore.reporting.findings import Finding
+from lacore.reporting.status import Rigor, Status
 from lacore.solvers.registry import JUDGE
-from lacore.status import Rigor, Status
 
 
 @typed()

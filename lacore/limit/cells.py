@@ -6,15 +6,15 @@ From below cells carry no more than joints do (T95), and polygons inside no more
 from collections.abc import Mapping
 from dataclasses import replace
 
-from lacore.bodies.any_body import AnyBody, of_kind
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.blocks3d.crushing import Crushing, crushing_of
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.section import INNER, OUTER, Section
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import AnyBody, of_kind
+from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.bodies.blocks3d.crushing import Crushing, crushing_of
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.bodies.frames.section import INNER, OUTER, Section
+from lacore.model.problem.problem import Problem
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.status import Status
+from lacore.reporting.status import Status
 
 _POLYGONS = {"below": INNER, "above": OUTER}
 

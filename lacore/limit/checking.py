@@ -14,22 +14,22 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import effective_stress, pore_pressures
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.blocks.rigid_blocks import RigidBlocks
-from lacore.bodies.continuum.nodal import point_values
-from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
-from lacore.bodies.continuum.volume import judged_means
-from lacore.bodies.frames.dofs import FrameDofs
-from lacore.certificate import Certificate, certify
 from lacore.coupling.kinds import COUPLINGS
-from lacore.errors import InputError, require_known
 from lacore.limit.conversion import point_in_program
 from lacore.limit.tables.contact_table import Table, column, numbers, reactions_of
-from lacore.program import dimensionless
-from lacore.state import ProgramState, misfit
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.model.bodies.continuum.nodal import point_values
+from lacore.model.bodies.continuum.regions.gathering import by_body, continuum_stress
+from lacore.model.bodies.continuum.volume import judged_means
+from lacore.model.bodies.frames.dofs import FrameDofs
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import Certificate, certify
+from lacore.program.kinematic import dimensionless
+from lacore.program.state import ProgramState, misfit
+from lacore.reporting.errors import InputError, require_known
 
 
 def recomputed(discretisation: Discretisation, point: ProgramState, coupling: str) -> Certificate:

@@ -7,9 +7,9 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.claims.judged import Ray
-from lacore.program import Scales
-from lacore.state import ProgramState
+from lacore.coupling.claims.judged import Ray
+from lacore.program.kinematic import Scales
+from lacore.program.state import ProgramState
 
 
 def in_si(scales: Scales, point: ProgramState) -> ProgramState:

@@ -5,10 +5,10 @@ from __future__ import annotations  # not evaluated: what they name is not loade
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from lacore.backend import Backend, check_capable, find_backend, read_options
 from lacore.coupling.kinds import CERTIFIED, COUPLINGS, coupling_for
-from lacore.errors import InputError, require_known
-from lacore.program import KinematicProgram, dimensionless
+from lacore.program.kinematic import KinematicProgram, dimensionless
+from lacore.reporting.errors import InputError, require_known
+from lacore.solvers.backend import Backend, check_capable, find_backend, read_options
 from lacore.solvers.isolation import SolverProcess
 
 if TYPE_CHECKING:

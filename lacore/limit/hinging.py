@@ -14,13 +14,13 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.span_nodes import places_on, with_nodes
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.frames.frame import Frame
 from lacore.limit.outcome import Outcome
 from lacore.limit.span_moments import span_excess, span_moments
 from lacore.limit.state import LimitState
-from lacore.problem.problem import Problem
-from lacore.status import Status
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.problem.problem import Problem
+from lacore.reporting.status import Status
 
 ROUNDS = 12
 _REGULARISED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper

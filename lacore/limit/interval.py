@@ -6,16 +6,16 @@ from typing import Any
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.interval import End, Interval, further, load_factor_interval
-from lacore.errors import InputError
-from lacore.inner.preparing import prepared_by
 from lacore.limit.conversion import point_in_program, point_in_si
-from lacore.program import (
+from lacore.program.kinematic import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.program.state import ProgramState
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import text
-from lacore.state import ProgramState
+from lacore.solvers.inner.preparing import prepared_by
 
 
 def interval_of_state(

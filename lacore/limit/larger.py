@@ -14,16 +14,16 @@ import numpy as np
 from skfem import MeshTri
 from skfem.mesh import MeshTri1
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.loaded import facets_of
-from lacore.conditions.loads import Fix
-from lacore.errors import InputError
 from lacore.limit.judges.reached import doubtful_supports, side
-from lacore.meshes.refinement import bisected
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.conditions.loads import Fix
+from lacore.model.meshes.refinement import bisected
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity

@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.continuum.body_forces import linear
-from lacore.bodies.continuum.spaces import SPACES
-from lacore.certificate import Certificate, certify
-from lacore.claims.judged import Ray
 from lacore.coupling.bounds import kinematic_load_factor
+from lacore.coupling.claims.judged import Ray
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.run import Coupled
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
-from lacore.program import KinematicProgram
+from lacore.model.bodies.continuum.body_forces import linear
+from lacore.model.bodies.continuum.spaces import SPACES
+from lacore.program.certificate import Certificate, certify
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding
-from lacore.showing import Compact
-from lacore.state import ProgramState
-from lacore.status import Rigor, Scope, Status
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Rigor, Scope, Status
 
 
 @dataclass(frozen=True)

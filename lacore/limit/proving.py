@@ -10,22 +10,22 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.claims.judged import CLAIMED, Prepare, judged_claim
+from lacore.coupling.claims.judged import CLAIMED, Prepare, judged_claim
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run
-from lacore.inner.preparing import prepared_by, preparing, rough
-from lacore.inner.rescaling import good_for
 from lacore.limit.engines import engine_for, stated
 from lacore.limit.outcome import Outcome, Proof, Times, outcome_of
 from lacore.limit.stability import stability_of
-from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram, associated_contact, frictionless_contact
-from lacore.showing import Compact
+from lacore.model.problem.problem import Problem
+from lacore.program.kinematic import KinematicProgram, associated_contact, frictionless_contact
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Status
 from lacore.solvers.compilation import SolveClock
+from lacore.solvers.inner.preparing import prepared_by, preparing, rough
+from lacore.solvers.inner.rescaling import good_for
 from lacore.solvers.isolation import SolverProcess, make_ready
 from lacore.solvers.registry import JUDGE
-from lacore.status import Status
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,22 +7,22 @@ from typing import Any
 
 import pandas as pd
 
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import CouplingOptions, Iterate, answered_by
-from lacore.errors import typed
 from lacore.limit.conversion import point_in_si, ray_in_si
 from lacore.limit.hinging import with_hinges
 from lacore.limit.judges.judging import judged
 from lacore.limit.outcome import Outcome
 from lacore.limit.proving import Request, proven_outcome
 from lacore.limit.state import LimitState
-from lacore.problem.problem import Problem
-from lacore.program import Scales
-from lacore.regularization import RegularisedValues
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import Scales
+from lacore.program.regularization import RegularisedValues
+from lacore.reporting.errors import typed
+from lacore.reporting.status import Status
 from lacore.solvers.isolation import SolverProcess
-from lacore.status import Status
 
 TOLERANCE = 1e-6
 ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.section import Section
-from lacore.state import ProgramState
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.bodies.frames.section import Section
+from lacore.numerics.arrays import Floats
+from lacore.program.state import ProgramState
 
 
 @dataclass(frozen=True)

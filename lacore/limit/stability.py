@@ -17,30 +17,30 @@ from typing import Any
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.backend import checked_answer, find_backend
-from lacore.certificate import certify
-from lacore.claims.carrying import Carrying, carrying
+from lacore.coupling.claims.carrying import Carrying, carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.kinds import COUPLINGS
-from lacore.inner.preparing import prepared_by
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
-from lacore.program import (
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
     associated_contact,
     dimensionless,
     require_homogeneous,
 )
+from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding, texts
 from lacore.reporting.kinds import Kind
+from lacore.reporting.showing import Facts, Shown
+from lacore.reporting.status import Standing, Status
 from lacore.reporting.text import PYTHON, Reader
-from lacore.showing import Facts, Shown
+from lacore.solvers.backend import checked_answer, find_backend
+from lacore.solvers.inner.preparing import prepared_by
 from lacore.solvers.registry import JUDGE
-from lacore.state import ProgramState
-from lacore.status import Standing, Status
 
 Verdict = tuple[Standing, tuple[Finding, ...]]
 Judge = Callable[[Standing, tuple[Finding, ...]], Verdict]

@@ -12,31 +12,31 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from lacore import views
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import pore_pressures, total_stress
-from lacore.bodies.continuum.nodal import point_values
-from lacore.bodies.continuum.regions import gathering
-from lacore.bodies.continuum.volume import judged_means
-from lacore.certificate import Certificate
-from lacore.claims.judged import Ray
+from lacore.coupling.claims.judged import Ray
 from lacore.coupling.interval import Interval
 from lacore.coupling.kinds import COUPLINGS
-from lacore.errors import typed
 from lacore.limit.checking import checked
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
 from lacore.limit.tables.contact_table import Table, contact_table
 from lacore.limit.tables.held_parts import support_reactions
-from lacore.program import KinematicProgram
-from lacore.regularization import RegularisedValues
+from lacore.model.bodies.continuum.nodal import point_values
+from lacore.model.bodies.continuum.regions import gathering
+from lacore.model.bodies.continuum.volume import judged_means
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import Certificate
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.regularization import RegularisedValues
+from lacore.program.state import ProgramState
+from lacore.reporting import views
+from lacore.reporting.errors import typed
 from lacore.reporting.findings import Finding
+from lacore.reporting.showing import Facts, Picture, counted
+from lacore.reporting.status import Reported, Rigor, Status
 from lacore.reporting.text import PYTHON
-from lacore.showing import Facts, Picture, counted
 from lacore.solvers.compilation import started
-from lacore.state import ProgramState
-from lacore.status import Reported, Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

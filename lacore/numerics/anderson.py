@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 
 _INDEPENDENT = 1e-8  # singular values below this share of the largest carry no direction
 

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore.numerics.linear_algebra import SingularError
 
 _FIRST = 0.3  # length of the first step

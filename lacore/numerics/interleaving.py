@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Sparse
+from lacore.numerics.arrays import Sparse
 
 
 def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_matrix, triu, vstack
 from scipy.sparse.linalg import splu
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.errors import LacoreError
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.reporting.errors import LacoreError
 
 
 class SingularError(LacoreError):

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Sparse
+from lacore.numerics.arrays import Floats, Sparse
 
 _SHARP = 1e-10  # of rows and reduced costs: the least that HiGHS takes
 _SECONDS = 60.0

@@ -5,7 +5,7 @@ import scipy.linalg
 from scipy.sparse import block_array, csc_matrix, csr_matrix, identity
 from scipy.sparse.csgraph import connected_components
 
-from lacore.arrays import Floats, Sparse
+from lacore.numerics.arrays import Floats, Sparse
 
 _DEPENDENT = 1e-9  # a sine: far above round-off, far below any angle that is meant
 _ROUND_OFF = 1e-13  # of an entry of order one

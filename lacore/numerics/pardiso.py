@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats, Sparse
+from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError, require_numbers
 
 _PLACES = ("lib/libmkl_rt*", "Library/bin/mkl_rt*")  # of MKL as its wheel installs it

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 
 _PARALLEL = 1e-7  # sine of the angle between planes below which they have no edge in common
 _SINGULAR = 1e-9  # determinant of unit normals below which planes do not meet in a point

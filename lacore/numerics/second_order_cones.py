@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 
 
 def determinant(x: Floats) -> Floats:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 
-from lacore.arrays import Sparse
+from lacore.numerics.arrays import Sparse
 from lacore.numerics.linear_algebra import SingularError, SuperLU, SymmetricSolver
 
 _LARGE = 20_000  # rows from which half of the time is worth loading MKL: docs/design-decisions.md

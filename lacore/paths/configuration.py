@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.showing import Compact
+from lacore.numerics.arrays import Floats
+from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,18 +8,18 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.conditions.footings import footings
-from lacore.errors import InputError, is_plane_vector, is_vector, require_range
-from lacore.problem.problem import Problem
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import vertex_at
+from lacore.model.conditions.footings import footings
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError, is_plane_vector, is_vector, require_range
+from lacore.reporting.showing import Compact
 from lacore.reporting.text import Term, text
-from lacore.showing import Compact
 
 Gauge = Callable[[Discretisation, Floats], float]
 """Rate of the travel at a velocity of all unknowns, in units of the travel per s."""

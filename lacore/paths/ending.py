@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-from lacore.errors import LacoreError
+from lacore.reporting.errors import LacoreError
 from lacore.reporting.findings import Finding, Message, Severity
 from lacore.reporting.kinds import Kind
 

@@ -6,31 +6,31 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.regions.gathering import by_body
-from lacore.bodies.continuum.regions.region import Region
-from lacore.bodies.continuum.strain_rates import (
+from lacore.limit.solve import solve
+from lacore.limit.state import LimitState
+from lacore.model.bodies.continuum.regions.gathering import by_body
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.continuum.strain_rates import (
     deviatoric,
     equivalent_rate,
     principal_rates,
     strain_per_length,
 )
-from lacore.contact.interfaces import Interface
-from lacore.contact.rows import ContactPoints
-from lacore.contact.touching import Touching
-from lacore.limit.solve import solve
-from lacore.limit.state import LimitState
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.rows import ContactPoints
+from lacore.model.contact.touching import Touching
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.pair_stations import pair_station
 from lacore.paths.contact.stations import gathered
 from lacore.paths.selection import Selected
 from lacore.paths.stage import Stage
 from lacore.paths.tools.contact import face_stations
-from lacore.program import ContactRows, DissipationGroup, KinematicProgram
-from lacore.showing import Compact
+from lacore.program.kinematic import ContactRows, DissipationGroup, KinematicProgram
+from lacore.reporting.showing import Compact
 
 # Hardening per yield stress: of all mechanisms of the same load the most uniform one comes out. It
 # is taken out of the load again. Beside surfaces it would have no certificate where flow is that of
@@ -103,7 +103,7 @@ class Flow(Compact):
     def strain_rate(self) -> dict[str, Floats]:
         """Equivalent strain rate at the strain points by body, shape (elements, q), 1/s.
 
-        See `lacore.bodies.continuum.strain_rates.equivalent_rate`.
+        See `lacore.model.bodies.continuum.strain_rates.equivalent_rate`.
         """
         d = self.state.discretisation
         rates = {}

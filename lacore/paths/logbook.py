@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.bodies.any_body import numbered
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.footings import footings
 from lacore.limit.state import LimitState
+from lacore.model.bodies.any_body import numbered
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.conditions.footings import footings
 from lacore.paths import drift
 from lacore.paths.contact.approach import gaps
 from lacore.paths.contact.overlap import overlap_and_touching

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.errors import InputError, require_positive
 from lacore.paths.ending import Ending, PathEndError
+from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.showing import Compact
+from lacore.reporting.showing import Compact
 
 _END = 1e-9  # of the travel: what is left is round-off
 _SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # of the length of adaptive steps

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.regions.region import Region
-from lacore.bodies.continuum.spaces import VelocitySpace, isoparametric
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import Load
-from lacore.conditions.water import PorePressure, StandingWater
-from lacore.errors import InputError
-from lacore.materials.criterion import Criterion
-from lacore.materials.fields import Field, varying, with_fields
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.continuum.spaces import VelocitySpace, isoparametric
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.loads import Load
+from lacore.model.conditions.water import PorePressure, StandingWater
+from lacore.model.materials.criterion import Criterion
+from lacore.model.materials.fields import Field, varying, with_fields
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
 

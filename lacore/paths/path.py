@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from lacore import views
-from lacore.arrays import Floats
-from lacore.errors import InputError
 from lacore.limit.state import LimitState
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady, SteadyState, steady_state
-from lacore.problem.problem import Problem
+from lacore.reporting import views
+from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding
-from lacore.showing import Compact, Facts, Picture, counted, listed
-from lacore.status import Reported
+from lacore.reporting.showing import Compact, Facts, Picture, counted, listed
+from lacore.reporting.status import Reported
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.bodies.touching import TOUCH
-from lacore.errors import InputError
 from lacore.limit.state import LimitState
-from lacore.meshes.curved import signed_jacobians
+from lacore.model.bodies.touching import TOUCH
+from lacore.model.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.folding import Fold, first_fold
 from lacore.paths.control import Gauge
@@ -20,10 +19,11 @@ from lacore.paths.flow import Flow, Moment, WarmStart, flow
 from lacore.paths.selection import LeastNorm, least_norm
 from lacore.paths.stage import Stage
 from lacore.paths.tools.overlap import contacts
+from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
+from lacore.reporting.status import Status
 from lacore.reporting.text import Quantity
-from lacore.status import Status
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
 _NOISE = 1e-5  # of the body size: what is left where velocities are hardly determined

@@ -8,27 +8,27 @@ from math import sqrt
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import (
-    Backend,
-    check_capable,
-    checked_answer,
-    find_backend,
-    read_options,
-)
-from lacore.certificate import certify
-from lacore.errors import InputError, require_positive
-from lacore.inner.preparing import preparing
 from lacore.limit.conversion import point_in_program
 from lacore.limit.state import LimitState
-from lacore.program import (
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     DissipationGroup,
     FrozenContact,
     KinematicProgram,
     dimensionless,
     reaction_contact,
 )
-from lacore.showing import Compact
+from lacore.reporting.errors import InputError, require_positive
+from lacore.reporting.showing import Compact
+from lacore.solvers.backend import (
+    Backend,
+    check_capable,
+    checked_answer,
+    find_backend,
+    read_options,
+)
+from lacore.solvers.inner.preparing import preparing
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
 _CLOSER = 0.8  # of the strength that would make the excess just the one allowed

@@ -7,10 +7,10 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Any
 
-from lacore.contact.interfaces import Interface
 from lacore.coupling.kinds import COUPLINGS
-from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
+from lacore.model.contact.interfaces import Interface
+from lacore.model.problem.problem import Problem
 from lacore.paths import drift
 from lacore.paths.control import (
     Control,
@@ -37,7 +37,13 @@ from lacore.paths.stored.checkpoint import Checkpoint, identity
 from lacore.paths.stored.progress import Progress
 from lacore.paths.tools.overlap import require_apart
 from lacore.paths.tools.tool import Tool, Tooling, require_own_travel, tooling
-from lacore.problem.problem import Problem
+from lacore.reporting.errors import (
+    InputError,
+    require_count,
+    require_known,
+    require_positive,
+    typed,
+)
 
 
 @typed()

@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.bonds import ties
-from lacore.bodies.any_body import PlaneBody, numbered, of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.spaces import SPACES
-from lacore.bodies.touching import TOUCH
-from lacore.conditions.loads import Load, PointForce
-from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Obstacle, RigidObstacle
-from lacore.errors import InputError
-from lacore.meshes.curved import signed_jacobians
+from lacore.model.bodies.any_body import PlaneBody, numbered, of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import vertex_at
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.spaces import SPACES
+from lacore.model.bodies.touching import TOUCH
+from lacore.model.conditions.loads import Load, PointForce
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.obstacles import Obstacle, RigidObstacle
+from lacore.model.meshes.curved import signed_jacobians
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.folding_body import FoldingBody
 from lacore.paths.contact.pairs import Pair
@@ -36,10 +36,10 @@ from lacore.paths.parts import check_load, curved_body, of_block
 from lacore.paths.tools.carrier import PART, MovedShape, moved_shape
 from lacore.paths.tools.contact import driving
 from lacore.paths.tools.tool import NO_TOOLS, Tooling
-from lacore.problem.problem import Problem
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 from lacore.reporting.text import Term, text
-from lacore.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

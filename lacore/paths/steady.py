@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.errors import InputError, require_positive
+from lacore.numerics.arrays import Floats
 from lacore.paths.renewal.transfer import at_places
+from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
+from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity
-from lacore.showing import Compact
 
 if TYPE_CHECKING:
     from lacore.paths.path import Path, Snapshot

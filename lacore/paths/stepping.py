@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from lacore.errors import InputError
 from lacore.paths import drift
 from lacore.paths.contact.folding import FOLDED, Fold, first_fold
 from lacore.paths.contact.overlap import corner_inside
@@ -30,6 +29,7 @@ from lacore.paths.selection import LeastNorm
 from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady
 from lacore.paths.stored.progress import Progress
+from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity, text

@@ -8,16 +8,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
-from lacore.arrays import Floats
+from lacore.analyses.critical import Critical, Search
+from lacore.analyses.load_cases import LoadCases
+from lacore.analyses.position import WorstPosition
+from lacore.analyses.sensitivity import Sensitivity
+from lacore.analyses.stable import Stable
+from lacore.analyses.yield_surface.envelope import Envelope
+from lacore.numerics.arrays import Floats
 from lacore.pictures.mechanism import plot_mechanism
-from lacore.questions.critical import Critical, Search
-from lacore.questions.load_cases import LoadCases
-from lacore.questions.position import WorstPosition
-from lacore.questions.sensitivity import Sensitivity
-from lacore.questions.stable import Stable
-from lacore.questions.yield_surface.envelope import Envelope
+from lacore.reporting.showing import counted, cut, listed
 from lacore.reporting.units import Units
-from lacore.showing import counted, cut, listed
 
 _SURFACE, _SURFACES = (6.4, 5.2), (4.2, 4.6)  # inches: of one picture, and of one of several
 _INSIDE, _OUTSIDE = "#7fa6c9", "#b2182b"

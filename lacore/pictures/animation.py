@@ -5,9 +5,9 @@ from pathlib import Path as File
 
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
-from lacore.errors import InputError, require_positive
 from lacore.paths.path import Path
 from lacore.pictures.path import draw_bodies, draw_load, page, strain_scale
+from lacore.reporting.errors import InputError, require_positive
 
 _HOLD = 1.0  # s: the last picture stays
 

@@ -20,7 +20,7 @@ from matplotlib.transforms import Affine2DBase, ScaledTranslation, blended_trans
 from lacore.reporting.units import Units
 
 if TYPE_CHECKING:
-    from lacore.bodies.any_body import Stated
+    from lacore.model.bodies.any_body import Stated
 
 _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
-from lacore.arrays import Bools, Floats
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.limit.state import LimitState
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.numerics.arrays import Bools, Floats
 from lacore.pictures.continua import BEFORE
 
 FIXED = "#9a9a9a"

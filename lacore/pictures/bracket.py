@@ -11,11 +11,11 @@ from matplotlib.gridspec import SubplotSpec
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from skfem import MeshTet, MeshTri
 
-from lacore.adaptive.bracket import Bracket
-from lacore.adaptive.marking import lower_shares
-from lacore.adaptive.whole import mesh_of
-from lacore.arrays import Floats
-from lacore.meshes.solid.faces import face_corners
+from lacore.bounds.bracket.bracket import Bracket
+from lacore.bounds.bracket.marking import lower_shares
+from lacore.bounds.bracket.whole import mesh_of
+from lacore.model.meshes.solid.faces import face_corners
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import colour_bar, label_lengths
 from lacore.pictures.space.drawing import space
 from lacore.pictures.space.surface import fill_faces
@@ -56,7 +56,7 @@ def plot_shares(
     """The same of meshes and shares that were kept.
 
     Args:
-        title: see `lacore.adaptive.bracket.heading`.
+        title: see `lacore.bounds.bracket.bracket.heading`.
         above: mesh of the upper bound.
         gap: shares of its elements in the gap.
         below: mesh of the lower bound.

@@ -9,9 +9,9 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
-from lacore.arrays import Floats
-from lacore.contact.obstacles import Shape
 from lacore.limit.state import LimitState
+from lacore.model.contact.obstacles import Shape
+from lacore.numerics.arrays import Floats
 from lacore.pictures.contact_segments import SegmentedContact
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units

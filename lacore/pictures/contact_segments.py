@@ -6,16 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.any_body import Dofs
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.contact.controls import controls, segment_curves
-from lacore.contact.obstacles import Obstacle
-from lacore.contact.rows import moving_sides
-from lacore.contact.segments import Segments
 from lacore.limit.state import LimitState
+from lacore.model.bodies.any_body import Dofs
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.contact.controls import controls, segment_curves
+from lacore.model.contact.obstacles import Obstacle
+from lacore.model.contact.rows import moving_sides
+from lacore.model.contact.segments import Segments
+from lacore.numerics.arrays import Floats, Ints
 
 _MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
 _SAME = 1e-6  # of the extent of all contact, and of unit normals

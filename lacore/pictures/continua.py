@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LogNorm
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.dofs import BodyDofs, edge_shapes
 from lacore.limit.state import LimitState
-from lacore.meshes.curved import edge_lines
+from lacore.model.bodies.continuum.dofs import BodyDofs, edge_shapes
+from lacore.model.meshes.curved import edge_lines
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import colour_bar, has_axis, superscript
 from lacore.reporting.units import Units
 

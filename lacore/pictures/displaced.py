@@ -10,8 +10,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lacore.arrays import Floats
 from lacore.limit.state import LimitState
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import draw_axis
 from lacore.pictures.blocks import FIXED, draw_blocks, held_blocks
 from lacore.pictures.contact import (

@@ -9,14 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.frames.dofs import FrameDofs
 from lacore.limit.state import LimitState
+from lacore.model.bodies.frames.dofs import FrameDofs
+from lacore.numerics.arrays import Floats, Ints
 from lacore.pictures.blocks import fill_blocks, held_blocks, outlines
 from lacore.pictures.contact_segments import rigid_sides
 from lacore.pictures.continua import boundary_lines
+from lacore.reporting.status import Status
 from lacore.reporting.units import Units
-from lacore.status import Status
 
 THRUST = "#b2182b"
 LOAD = "#0f7b3f"

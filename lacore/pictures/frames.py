@@ -12,12 +12,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 
-from lacore.arrays import Floats
-from lacore.bodies.frames.dofs import FrameDofs
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.modes import WHOLE
 from lacore.limit.span_moments import SpanMoments, span_moments
 from lacore.limit.state import LimitState
+from lacore.model.bodies.frames.dofs import FrameDofs
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.bodies.frames.modes import WHOLE
+from lacore.numerics.arrays import Floats
 from lacore.pictures.contact import COLOURS, GROUND
 from lacore.pictures.contact_segments import SegmentedContact
 from lacore.pictures.continua import BEFORE

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec, SubplotSpec
 
-from lacore.arrays import Floats
 from lacore.limit.state import LimitState
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import label_coordinates, lay_out
 from lacore.pictures.contact import draw_panel
 from lacore.pictures.continua import draw_colour_bar
@@ -19,8 +19,8 @@ from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_moments
 from lacore.pictures.space.mechanism import plot_in_space
 from lacore.pictures.space.surface import plot_flow
+from lacore.reporting.status import Status
 from lacore.reporting.units import Units, fitting
-from lacore.status import Status
 
 _NOTHING = 1e-6  # of the size of the structure: shorter contact has no panel
 _POINTS = 72.0  # an inch

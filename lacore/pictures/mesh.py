@@ -10,13 +10,13 @@ from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from skfem import Mesh
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.regions.gathering import by_body, gathered
-from lacore.bodies.continuum.regions.region import Region
 from lacore.bounds.gap_identity import GapIdentity
 from lacore.bounds.lower import LowerBound
-from lacore.meshes.curved import edge_lines, outlines
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.regions.gathering import by_body, gathered
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.meshes.curved import edge_lines, outlines
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import colour_bar, draw_axis, label_coordinates
 from lacore.pictures.space.surface import surface_by_name, surface_by_value
 

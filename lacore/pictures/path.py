@@ -16,10 +16,10 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.tri import Triangulation
 from skfem import Mesh
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
-from lacore.conditions.footings import footings
-from lacore.meshes.curved import edge_lines, outlines
+from lacore.model.bodies.continuum.nodal import corner_shapes, vertex_means
+from lacore.model.conditions.footings import footings
+from lacore.model.meshes.curved import edge_lines, outlines
+from lacore.numerics.arrays import Floats, Ints
 from lacore.paths import drift
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
@@ -28,8 +28,8 @@ from lacore.paths.stage import Stage
 from lacore.pictures.axis import colour_bar, draw_axis, label_coordinates, lay_out
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
+from lacore.reporting.showing import counted
 from lacore.reporting.units import FORCES, fitting
-from lacore.showing import counted
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0
@@ -63,10 +63,10 @@ def plot_path(path: Path) -> Figure:
     """The bodies at the end of a path, and the load over the travel.
 
     Bodies are coloured by their equivalent strain: means around vertices
-    (`lacore.bodies.continuum.nodal.vertex_means`), linear between, which stay below the largest
-    strain of a point, `PathStep.max_strain`. Element edges are the curves that they are. Peaks of
-    the load are marked at their step, other events at the bottom, those of one travel above each
-    other.
+    (`lacore.model.bodies.continuum.nodal.vertex_means`), linear between, which stay below the
+    largest strain of a point, `PathStep.max_strain`. Element edges are the curves that they are.
+    Peaks of the load are marked at their step, other events at the bottom, those of one travel
+    above each other.
     """
     figure, bodies, load = page(path)
     draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))

@@ -10,15 +10,16 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from skfem import MeshTet, MeshTri
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.nodal import element_means
-from lacore.conditions.footings import footings
 from lacore.limit.state import LimitState
-from lacore.meshes.curved import edge_lines, outlines
-from lacore.meshes.solid.faces import face_corners
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.nodal import element_means
+from lacore.model.conditions.footings import footings
+from lacore.model.meshes.curved import edge_lines, outlines
+from lacore.model.meshes.solid.faces import face_corners
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.path import Path
 from lacore.paths.stage import Stage
@@ -35,7 +36,6 @@ from lacore.pictures.space.mechanism import colours_of
 from lacore.pictures.space.problem import block_colours
 from lacore.pictures.space.structure import Blocks, blocks_of, motion_of, stretch_of
 from lacore.pictures.space.surface import EDGE, displaced_faces, seen_faces
-from lacore.problem.problem import Problem
 from lacore.reporting.units import Units
 
 _SYMBOLS = 0.3  # of the paper that symbols around the bodies take

@@ -1,1 +1,1 @@
-"""Texts whose numbers and names are values, rendered for Python users or users of problem files."""
+"""Texts, findings and errors with their values, statuses, and requests for pictures."""

@@ -11,7 +11,7 @@ ASSOCIATED = Term("Coulomb(mu, associated=True)", "{ mu = ..., associated = true
 CONTINUUM = Term("lacore.Body", 'body of kind "continuum"')
 RIGID_BLOCK = Term("lacore.RigidBlock", 'body of kind "block"')
 TRIANGLES = Term("skfem.MeshTri", "mesh of triangles")
-LAYERED = Term("lacore.meshes.layered", 'shape = "layered"')
+LAYERED = Term("lacore.model.meshes.layered", 'shape = "layered"')
 OF_PLACE = Term("a function of coordinates (2, n)", "numbers that vary with the place")
 
 SUPPORT = Term("Fix", "support")

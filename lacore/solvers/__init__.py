@@ -1,1 +1,1 @@
-"""The contract with backends, the registry of those installed, and the processes they work in."""
+"""The contract with backends, their registry and processes, and the solution of one program."""

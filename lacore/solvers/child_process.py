@@ -25,8 +25,8 @@ from queue import SimpleQueue
 from types import TracebackType
 from typing import IO, Any, Protocol, Self
 
+from lacore.reporting.status import Status
 from lacore.solvers.process_log import ProcessLog
-from lacore.status import Status
 
 GRACE = 2.0  # s that work gets beyond its limit to come back by itself
 START = 60.0  # s, for the interpreter and its imports

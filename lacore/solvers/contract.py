@@ -15,12 +15,12 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from lacore.errors import CapabilityError, InputError, is_number, require_known
-from lacore.program import FrozenContact, KinematicProgram, require_finite
-from lacore.regularization import RegularisedValues
-from lacore.showing import Compact
-from lacore.state import ProgramState, misfit, shapes
-from lacore.status import Status
+from lacore.program.kinematic import FrozenContact, KinematicProgram, require_finite
+from lacore.program.regularization import RegularisedValues
+from lacore.program.state import ProgramState, misfit, shapes
+from lacore.reporting.errors import CapabilityError, InputError, is_number, require_known
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Status
 
 REPORTED = (
     *(Status.SOLVED, Status.ALMOST_SOLVED, Status.STALLED, Status.ITERATION_LIMIT),

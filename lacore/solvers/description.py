@@ -12,9 +12,9 @@ from functools import partial
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
-from lacore.errors import CapabilityError
+from lacore.reporting.errors import CapabilityError
+from lacore.reporting.status import Status
 from lacore.solvers.contract import Backend, Capabilities, Family, Writes
-from lacore.status import Status
 
 _KINDS: dict[str, type] = {"bool": bool, "int": int, "float": float, "str": str}
 _KINDS |= {"NoneType": NoneType}
@@ -128,7 +128,7 @@ def _text(name: str, value: object) -> str:
 
 def _capabilities(value: object) -> dict[str, Any]:
     if not isinstance(value, Capabilities):
-        raise TypeError(f"it is {value!r}, not a lacore.backend.Capabilities")
+        raise TypeError(f"it is {value!r}, not a lacore.solvers.backend.Capabilities")
     return {**asdict(value), "packages": [_text("a package", own) for own in value.packages]}
 
 

@@ -8,8 +8,8 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from lacore.errors import BackendError
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.reporting.errors import BackendError
 from lacore.solvers.child_process import GRACE, LONGEST, START, LostError
 from lacore.solvers.contract import InnerSolution, failed_answer
 from lacore.solvers.plain_answers import read_answer

@@ -15,14 +15,14 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from lacore.errors import BackendError, CapabilityError, InputError
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.reporting.errors import BackendError, CapabilityError, InputError
+from lacore.reporting.status import Status
 from lacore.solvers.child_process import START, LostError
 from lacore.solvers.contract import Backend, Capabilities, Writer
 from lacore.solvers.description import Description, describe, read_description
 from lacore.solvers.isolated_solver import IsolatedSolver
 from lacore.solvers.served_process import ServedProcess, Source
-from lacore.status import Status
 
 MOST_PROCESSES = 12  # that a thread keeps: as many as backends are compared, of some 80 MB each
 

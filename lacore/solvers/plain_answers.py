@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from lacore.errors import BackendError, CapabilityError, InputError
-from lacore.regularization import RegularisedValues
+from lacore.program.regularization import RegularisedValues
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import BackendError, CapabilityError, InputError
+from lacore.reporting.status import Status
 from lacore.solvers import plain
 from lacore.solvers.contract import InnerSolution, failed_answer, fault_of_kinds
-from lacore.state import ProgramState
-from lacore.status import Status
 
 _INPUT, _CAPABILITY = "input", "capability"
 

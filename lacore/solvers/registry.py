@@ -15,7 +15,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from lacore.errors import CapabilityError, InputError, require_known, suggest, typed
+from lacore.reporting.errors import CapabilityError, InputError, require_known, suggest, typed
 from lacore.solvers.contract import Backend, Family
 from lacore.solvers.isolation import IsolatedBackend, SolverProcess
 from lacore.solvers.served_process import ISOLATE, Source

@@ -12,7 +12,7 @@ from pkgutil import resolve_name
 from typing import Any
 
 from lacore.numerics.read_only import changed, digests, make_read_only
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.solvers.child_process import forget_peak_memory, peak_memory
 from lacore.solvers.contract import (
     Backend,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.certificate import certify
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program.certificate import certify
+from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 
 
 def group(rows, bound, *, dim=1, weight=1.0, volumetric=None, name="body"):

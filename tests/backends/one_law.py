@@ -1,10 +1,10 @@
-"""Answers of regularised solvers against the law of `lacore.regularization` at their velocity."""
+"""Answers of regularised solvers against the law of `lacore.program.regularization`."""
 
 import numpy as np
 import pytest
 
-from lacore.regularization import evaluate
-from lacore.status import Status
+from lacore.program.regularization import evaluate
+from lacore.reporting.status import Status
 
 
 def check_law(program, contact, penalty, answer, gap):

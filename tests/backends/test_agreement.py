@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import check_capable, find_backend, load_backend
-from lacore.certificate import certify
-from lacore.inner.preparing import preparing
-from lacore.program import associated_contact, dimensionless, reaction_contact
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact, dimensionless, reaction_contact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import check_capable, find_backend, load_backend
+from lacore.solvers.inner.preparing import preparing
 from lacore_verification.catalogue.catalogue import catalogue
 from tests.backends.variants import METALS, VARIANTS, require_fit
 

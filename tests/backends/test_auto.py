@@ -8,9 +8,9 @@ import pytest
 import lacore as la
 from lacore.assembly.discretise import discretise
 from lacore.bounds.static_model import static_model
-from lacore.certificate import certify
-from lacore.program import associated_contact, dimensionless
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.reporting.status import Status
 from lacore_backends import interior_point
 from lacore_backends._embedding.follow import EmbeddingResult
 from lacore_backends.auto import Auto, AutoOptions, AutoSolver

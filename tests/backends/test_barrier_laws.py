@@ -1,11 +1,11 @@
-"""The laws that IPOPT is given of soils, beside those of `lacore.regularization`."""
+"""The laws that IPOPT is given of soils, beside those of `lacore.program.regularization`."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.regularization import penalties
+from lacore.program.regularization import penalties
 from lacore_backends._barrier_laws import BarrierLaw
 from lacore_backends._barrier_program import BarrierSolver, Fading
 from lacore_backends._conic_laws import ConicLaws

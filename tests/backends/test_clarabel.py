@@ -10,19 +10,19 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix, vstack
 
 import lacore as la
-from lacore.backend import find_backend
-from lacore.certificate import certify
 from lacore.paths.flow import Moment, limit_problem
 from lacore.paths.stage import staged
-from lacore.program import (
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     ContactRows,
     DissipationGroup,
     FrozenContact,
     KinematicProgram,
     reaction_contact,
 )
-from lacore.regularization import Penalties
-from lacore.status import Status
+from lacore.program.regularization import Penalties
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend
 from lacore_backends import clarabel_socp
 from lacore_backends._conic_form import ConicForm, Pattern
 from lacore_verification.conformance.soil_programs import SOIL

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from lacore.backend import find_backend
-from lacore.certificate import certify
 from lacore.coupling.fixed_point import reaction_loop
 from lacore.coupling.run import CouplingOptions, Run
-from lacore.program import DissipationGroup, associated_contact, dimensionless
-from lacore.regularization import Penalties, evaluate
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import DissipationGroup, associated_contact, dimensionless
+from lacore.program.regularization import Penalties, evaluate
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend
 from lacore_backends._conic_form import ConicForm
 from lacore_backends.clarabel_regularised import ClarabelRegularised, ClarabelRegularisedOptions
 from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions

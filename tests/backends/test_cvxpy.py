@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import find_backend, load_backend, read_options
-from lacore.certificate import certify
-from lacore.program import associated_contact, dimensionless, reaction_contact
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact, dimensionless, reaction_contact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend, load_backend, read_options
 from lacore_backends import _cvxpy_solvers
 from tests.backends.hand_made import (
     CONIC,

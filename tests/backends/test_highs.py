@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.backend import find_backend
-from lacore.certificate import certify
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend
 from lacore_backends import highs_lp
 from tests.backends.hand_made import (
     LINEAR,

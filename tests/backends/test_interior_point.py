@@ -9,12 +9,12 @@ from scipy.sparse import csr_matrix
 
 import lacore as la
 from lacore.assembly.discretise import discretise
-from lacore.backend import find_backend
-from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
-from lacore.program import associated_contact, dimensionless
-from lacore.reduction import reduced
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.program.reduction import reduced
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend
 from lacore_backends import interior_point
 from lacore_backends._embedding import follow as way
 from lacore_backends._embedding.arrays import Translation

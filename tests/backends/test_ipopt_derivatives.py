@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.regularization import Penalties, evaluate
+from lacore.program.regularization import Penalties, evaluate
 from lacore_backends.ipopt_nlp import _build
 from tests.lacore.random_programs import N, frozen, random_program, random_step
 

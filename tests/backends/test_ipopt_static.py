@@ -12,16 +12,16 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from lacore.certificate import certify
-from lacore.inner.preparing import preparing
-from lacore.program import (
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     DissipationGroup,
     FrozenContact,
     associated_contact,
     dimensionless,
     reaction_contact,
 )
-from lacore.status import Status
+from lacore.reporting.status import Status
+from lacore.solvers.inner.preparing import preparing
 from lacore_backends._ipopt import STATUS_MAP
 from lacore_backends._static_program import LARGEST
 from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions

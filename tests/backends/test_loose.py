@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.inner.left_over import left_over
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import symmetric_solver
-from lacore.program import associated_contact
-from lacore.status import Status
+from lacore.program.kinematic import associated_contact
+from lacore.reporting.status import Status
+from lacore.solvers.inner.left_over import left_over
 from lacore_backends._embedding.arrays import Translation
 from lacore_backends._embedding.follow import follow
 from lacore_backends._embedding.loops.best import best_loops

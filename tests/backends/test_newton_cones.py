@@ -1,12 +1,12 @@
-"""The laws as cones, as `newton` solves them, against those of `lacore.regularization`."""
+"""The laws as cones, as `newton` solves them, against those of `lacore.program.regularization`."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.regularization import penalties
-from lacore.status import Status
+from lacore.program.regularization import penalties
+from lacore.reporting.status import Status
 from lacore_backends.newton import NewtonOptions, NewtonSolver, PressedSolver
 from tests.backends.one_law import check_law
 from tests.lacore.random_programs import frozen, random_program, random_soil, random_step

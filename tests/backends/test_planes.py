@@ -6,8 +6,8 @@ import pytest
 import lacore as la
 from lacore.assembly.discretise import discretise
 from lacore.numerics.symmetric import symmetric_solver
-from lacore.program import associated_contact
-from lacore.status import Status
+from lacore.program.kinematic import associated_contact
+from lacore.reporting.status import Status
 from lacore_backends._embedding import follow as way
 from lacore_backends._embedding.arrays import Translation
 from lacore_backends._embedding.follow import follow

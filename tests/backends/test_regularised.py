@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.program import dimensionless, reaction_contact
+from lacore.program.kinematic import dimensionless, reaction_contact
 from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
 from lacore_backends.ipopt_nlp import Ipopt, IpoptOptions
 from tests.backends.variants import METALS

@@ -9,10 +9,10 @@ import pytest
 from scipy.optimize import _slsqp_py
 from scipy.sparse import csr_matrix
 
-from lacore.backend import find_backend
-from lacore.errors import CapabilityError
-from lacore.reduction import reduced
-from lacore.status import Status
+from lacore.program.reduction import reduced
+from lacore.reporting.errors import CapabilityError
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend
 from lacore_backends import slsqp_nlp
 from lacore_backends.slsqp_nlp import AWAY, LATE, Minimum
 from lacore_verification.conformance.programs import WORKED

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import find_backend
-from lacore.program import associated_contact, dimensionless
-from lacore.regularization import penalties
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.program.regularization import penalties
+from lacore.solvers.backend import find_backend
 from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
 from lacore_verification.catalogue.catalogue import catalogue
 from tests.backends.variants import SOILS

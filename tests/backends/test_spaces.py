@@ -5,9 +5,9 @@ import pytest
 from skfem.mesh import MeshQuad1
 
 import lacore as la
-from lacore.backend import find_backend
-from lacore.bodies.continuum.spaces import SPACES
-from lacore.program import dimensionless, reaction_contact
+from lacore.model.bodies.continuum.spaces import SPACES
+from lacore.program.kinematic import dimensionless, reaction_contact
+from lacore.solvers.backend import find_backend
 from tests.lacore.models import CRITERION, obstacle
 from tests.shares import one_in
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import check_capable, find_backend, load_backend
-from lacore.certificate import certify
 from lacore.coupling.certified import certified_loop
 from lacore.coupling.fixed_point import reaction_loop
 from lacore.coupling.run import CouplingOptions, Run
-from lacore.program import dimensionless, reaction_contact
-from lacore.regularization import evaluate, penalties
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import dimensionless, reaction_contact
+from lacore.program.regularization import evaluate, penalties
+from lacore.reporting.status import Status
+from lacore.solvers.backend import check_capable, find_backend, load_backend
 from lacore_verification.conformance.hardening_programs import hardening
 from lacore_verification.conformance.worked import frozen, nowhere, program
 from tests.lacore.models import CRITERION, deformable_block

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import find_backend
-from lacore.certificate import certify
-from lacore.program import (
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
     associated_contact,
@@ -20,7 +19,8 @@ from lacore.program import (
     reaction_contact,
     shift_contact,
 )
-from lacore.status import Status
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend
 from tests.shares import one_in
 
 MU = 0.65

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import symmetric_solver
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.reporting.status import Status
 from lacore_backends import interior_point
 from lacore_backends._embedding import follow as way
 from lacore_backends._embedding.arrays import Translation

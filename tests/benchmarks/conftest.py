@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from threadpoolctl import threadpool_limits
 
-from lacore.backend import backend_names, load_backend
 from lacore.numerics.symmetric import symmetric_solver
+from lacore.solvers.backend import backend_names, load_backend
 from lacore_backends.cvxpy_conic import Cvxpy
-from lacore_verification.store.provenance import describe
+from lacore_verification.harness.store.provenance import describe
 from tests.benchmarks.measuring import Model, punch
 
 THREADS = ("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")

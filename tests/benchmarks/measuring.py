@@ -16,10 +16,10 @@ from skfem import Basis
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import lacore as la
-from lacore.backend import Backend, PreparedSolver
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
-from lacore.program import dimensionless, reaction_contact
+from lacore.program.kinematic import dimensionless, reaction_contact
+from lacore.solvers.backend import Backend, PreparedSolver
 
 POISSON = 0.3
 _REPEATS, _ENOUGH = 3, 0.5  # elastic solves on each side of a solve, at least; s that will do

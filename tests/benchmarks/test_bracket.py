@@ -14,9 +14,9 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.adaptive.bracket import width
-from lacore.backend import load_backend
+from lacore.bounds.bracket.bracket import width
 from lacore.numerics.symmetric import symmetric_solver
+from lacore.solvers.backend import load_backend
 from lacore_verification.catalogue.catalogue import find
 from tests.benchmarks.measuring import Model, dear, elastic_seconds, punch
 

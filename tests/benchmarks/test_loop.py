@@ -7,7 +7,7 @@ import pytest
 import lacore as la
 from lacore.coupling.fixed_point import reaction_loop
 from lacore.coupling.run import CouplingOptions, Run
-from lacore.program import dimensionless
+from lacore.program.kinematic import dimensionless
 from lacore_verification.catalogue.catalogue import find
 from tests.benchmarks.measuring import Clocked
 

@@ -10,7 +10,7 @@ from dataclasses import asdict
 import pytest
 
 import lacore as la
-from lacore.backend import load_backend
+from lacore.solvers.backend import load_backend
 from lacore_verification.fuzz.programs.judge import RIGHT, WRONG
 from lacore_verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
 

@@ -6,8 +6,8 @@ No time is asserted: machines differ. Statuses and values are.
 import pytest
 
 import lacore as la
-from lacore.backend import load_backend
 from lacore.numerics.symmetric import symmetric_solver
+from lacore.solvers.backend import load_backend
 from tests.benchmarks.measuring import Clocked, dear, elastic_seconds
 from tests.benchmarks.test_assembly import SIZES
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from lacore_verification.campaigns.run_all import run_all
-from lacore_verification.campaigns.sweep import plan
-from lacore_verification.store.results import load_results
-from lacore_verification.store.store import NAME
+from lacore_verification.harness.campaigns.run_all import run_all
+from lacore_verification.harness.campaigns.sweep import plan
+from lacore_verification.harness.store.results import load_results
+from lacore_verification.harness.store.store import NAME
 
 SWEEPS = {
     "deformable-block, medium": (["deformable-block"], "mu=0.05:0.95:200", "clarabel", "medium"),

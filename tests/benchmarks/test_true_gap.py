@@ -8,8 +8,8 @@ runs in a process of its own. No time is asserted: machines differ.
 import pytest
 
 import lacore as la
-from lacore.backend import load_backend
-from lacore.certificate import certify
+from lacore.program.certificate import certify
+from lacore.solvers.backend import load_backend
 from tests.benchmarks.measuring import Clocked, dear, elastic_seconds
 from tests.benchmarks.test_assembly import SIZES
 

@@ -12,7 +12,7 @@ import time
 import pytest
 
 import lacore as la
-from lacore.backend import load_backend
+from lacore.solvers.backend import load_backend
 
 SCRIPT = """
 import json, sys, time

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.program import ContactRows, KinematicProgram
+from lacore.program.kinematic import ContactRows, KinematicProgram
 
 FIXED = -1  # the number of the world
 

@@ -7,7 +7,7 @@ Unit square, k = 1. Conjugates of (eps_xx - eps_yy, gamma) and theta: ((s_xx - s
 import numpy as np
 
 import lacore as la
-from lacore.state import ProgramState
+from lacore.program.state import ProgramState
 from tests.lacore.models import obstacle, square
 
 P0, MU = 0.8, 0.25

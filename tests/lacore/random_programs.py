@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
-from lacore.surfaces import Surfaces
+from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program.surfaces import Surfaces
 
 N, CONES, POINTS = 9, 4, 3
 

@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 
 import lacore as la
-from lacore.adaptive.bracket import Ending as BracketEnding
-from lacore.adaptive.kept_water import Interpolated
+from lacore.bounds.bracket.bracket import Ending as BracketEnding
+from lacore.bounds.bracket.kept_water import Interpolated
 from lacore.paths.path import Ending as PathEnding
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.status import Rigor, Status
+from lacore.reporting.status import Rigor, Status
 from tests.lacore.models import cantilever, deformable_block, punch, sheared, square
 from tests.lacore.paths.path_billets import pressed, quad_billet
 

@@ -11,8 +11,18 @@ from pathlib import Path
 from tests.mutants.sites import Edit, compiles, edits
 
 KNOWN = Path(__file__).with_name("known.toml")
-_NAMES = "certificate.py claims bounds coupling contact materials assembly ranges"
-PACKAGES = tuple(Path("lacore", name) for name in _NAMES.split())
+_NAMES = (
+    *(
+        "program/certificate.py",
+        "coupling",
+        "bounds",
+        "model/contact",
+        "model/materials",
+        "assembly",
+    ),
+    "analyses/ranges",
+)
+PACKAGES = tuple(Path("lacore", name) for name in _NAMES)
 """Sources of the generated errors: in these packages an error proves something wrong."""
 
 
@@ -123,10 +133,11 @@ def _generated(root: Path, path: Path, edit: Edit, source: bytes) -> Mutant:
 def tests_of(root: Path, path: Path) -> tuple[str, ...]:
     """Return the tests of the package of a file: of the innermost one that has tests of its own."""
     own = sorted((root / "tests").rglob(f"test_{path.stem}.py"))
-    if len(path.parts) == 2 and own:
+    if path.parts[:2] == ("lacore", "program") and own:
         return (own[0].relative_to(root).as_posix(),)
-    for depth in range(len(path.parts) - 1, 0, -1):
-        folder = root.joinpath("tests", *path.parts[:depth])
+    parts = [part for part in path.parts if not part.startswith("lacore_")]
+    for depth in range(len(parts) - 1, 0, -1):
+        folder = root.joinpath("tests", *parts[:depth])
         if folder.is_dir():
             return (folder.relative_to(root).as_posix(),)
     raise StaleError(f"{path}: no package around it has tests")

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from lacore_verification.commands import cli
-from lacore_verification.perform.one_run import run_here
+from lacore_verification.harness.perform.one_run import run_here
 from lacore_verification.report.blocks import Picture
 
 
@@ -30,9 +30,11 @@ def one_interpreter(rendered=True):
     """Nothing below starts a process of ours; backends that need one of their own have it."""
     with pytest.MonkeyPatch.context() as patch:
         if not rendered:
-            patch.setattr("lacore_verification.problems.page._picture", empty_picture)
-        patch.setattr("lacore_verification.perform.processes.run_in_processes", run_in_order)
-        patch.setattr("lacore_verification.perform.pool.TOGETHER", 1000)
+            patch.setattr("lacore_verification.report.problems.page._picture", empty_picture)
+        patch.setattr(
+            "lacore_verification.harness.perform.processes.run_in_processes", run_in_order
+        )
+        patch.setattr("lacore_verification.harness.perform.pool.TOGETHER", 1000)
         yield
 
 

@@ -1,3 +1,3 @@
 """Names of verification: where each is found, for `__init__` and for type checkers."""
 
-from .store.results import load_results as load_results
+from .harness.store.results import load_results as load_results

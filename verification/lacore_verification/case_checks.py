@@ -11,13 +11,13 @@ from functools import partial
 
 import pytest
 
-from lacore_verification.campaigns.run_all import run_all
 from lacore_verification.catalogue.plugins import gather
 from lacore_verification.defaults import cores
-from lacore_verification.perform.processes import run_in_processes
-from lacore_verification.store.store import NAME
-from lacore_verification.verdicts.words import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from lacore_verification.verify import Finished, Question, answer, ask, finish, runs_of
+from lacore_verification.harness.campaigns.run_all import run_all
+from lacore_verification.harness.perform.processes import run_in_processes
+from lacore_verification.harness.store.store import NAME
+from lacore_verification.harness.verdicts.words import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from lacore_verification.harness.verify import Finished, Question, answer, ask, finish, runs_of
 
 KNOWN = gather()
 

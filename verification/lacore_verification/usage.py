@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import click
 
-from lacore.errors import CapabilityError, InputError, suggest
+from lacore.reporting.errors import CapabilityError, InputError, suggest
 
 BAD_INPUT = 2
 _Number = TypeVar("_Number", int, float)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
+from lacore.numerics.arrays import Floats, Ints
 
 _TINY = np.finfo(float).tiny
 

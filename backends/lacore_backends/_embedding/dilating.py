@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
-from lacore.arrays import Floats, Sparse
-from lacore.dissipation import DissipationGroup
-from lacore.inner.left_over import dilates_besides
-from lacore.program import KinematicProgram
-from lacore.state import ProgramState
+from lacore.numerics.arrays import Floats, Sparse
+from lacore.program.dissipation import DissipationGroup
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.state import ProgramState
+from lacore.solvers.inner.left_over import dilates_besides
 
 
 def as_moved(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_backends._embedding.cones import Compliance
 from lacore_backends._embedding.frames import Frame
 from lacore_backends._embedding.place import Place, Step, paired

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore.numerics.linear_algebra import SingularError
 from lacore_backends._embedding.arrays import Multipliers
 from lacore_backends._embedding.directions import Directions

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_backends._embedding.cones import Scaling
 from lacore_backends._embedding.pressure_dependent import Planes
 from lacore_backends._embedding.rows import Rows

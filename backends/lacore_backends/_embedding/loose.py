@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.sparse import csr_matrix, diags_array, vstack
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore_backends._embedding.arrays import Conic
 from lacore_backends._embedding.rigid import softest, without_strain

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_backends._embedding.arrays import Conic, Multipliers
 from lacore_backends._embedding.cones import inner, inside, lengths
 from lacore_backends._embedding.pressure_dependent import Planes

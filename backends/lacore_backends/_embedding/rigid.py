@@ -15,9 +15,9 @@ from scipy.linalg import qr
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 from scipy.sparse.csgraph import connected_components
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
-from lacore.program import KinematicProgram
+from lacore.program.kinematic import KinematicProgram
 
 _MOST = 7  # motions that are looked for: of a body one more than there are in space
 _SHIFT = 1e-10  # of the diagonal: next to the least stiffness of a body, nothing

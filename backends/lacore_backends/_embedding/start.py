@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_backends._embedding.arrays import Conic
 from lacore_backends._embedding.cones import lengths
 from lacore_backends._embedding.place import Step

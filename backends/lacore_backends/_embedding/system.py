@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats, Sparse
+from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SymmetricSolver
 from lacore_backends._embedding.arrays import Conic
 from lacore_backends._embedding.cones import Compliance, Compliances

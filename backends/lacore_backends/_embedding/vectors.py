@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_backends._embedding.arrays import Conic
 
 

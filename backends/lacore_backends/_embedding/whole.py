@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, hstack, identity, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SymmetricSolver
 from lacore_backends._embedding.arrays import Conic
 from lacore_backends._embedding.stiffness import Stiffness

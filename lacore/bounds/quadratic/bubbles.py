@@ -12,15 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, eye_array, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.regions.region import Region
 from lacore.bounds.equilibrium import element_geometry
 from lacore.bounds.precision import exactness
-from lacore.errors import InputError
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SuperLU
-from lacore.showing import Compact
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2]])  # vertices of the local facets of scikit-fem
 _NORMAL = ((0, 2), (2, 1))  # of (xx, yy, xy): what meets n_x and n_y in a traction

@@ -5,18 +5,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.body_forces import at_vertices
-from lacore.bodies.continuum.regions.region import Region
 from lacore.bounds.enclosing import named_criterion
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.quadratic.bubbles import Bubbles, bubbles
-from lacore.conditions.loads import Load
-from lacore.dissipation import DissipationGroup
-from lacore.errors import InputError
-from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram
-from lacore.showing import Compact
+from lacore.model.bodies.continuum.body_forces import at_vertices
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.conditions.loads import Load
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.program.dissipation import DissipationGroup
+from lacore.program.kinematic import KinematicProgram
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

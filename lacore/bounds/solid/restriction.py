@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import footings_of
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.solid.faces import face_nodes
-from lacore.bodies.continuum.solid.holding import slid_past
 from lacore.bounds.equilibrium import EquilibriumDofs
-from lacore.problem.problem import Problem
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.solid.faces import face_nodes
+from lacore.model.bodies.continuum.solid.holding import slid_past
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
 
 # 3/A int N_a u dA at the corners of a face, from the nodes there: corners, then `SIDES`.
 _LINEAR = (np.ones((3, 3)) + np.eye(3)) / 4

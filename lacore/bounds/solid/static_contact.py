@@ -5,21 +5,21 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, eye_array, hstack, vstack
 
-from lacore.arrays import Ints, Sparse
-from lacore.bodies.continuum.solid.faces import face_geometry
-from lacore.bodies.continuum.solid.held_nodes import flowing_between_nodes
-from lacore.bodies.continuum.solid.holding import face_conditions, moved_along, speed_names
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import selected
-from lacore.conditions.footings import Footing
-from lacore.conditions.loads import Fix
-from lacore.contact.faces import Faces
-from lacore.contact.interfaces import Interface
-from lacore.contact.laws import laws_of
-from lacore.contact.rows import ContactPoints, Station, joined
-from lacore.contact.touching import Touching
-from lacore.meshes.solid.faces import face_corners
-from lacore.program import ContactRows
+from lacore.model.bodies.continuum.solid.faces import face_geometry
+from lacore.model.bodies.continuum.solid.held_nodes import flowing_between_nodes
+from lacore.model.bodies.continuum.solid.holding import face_conditions, moved_along, speed_names
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.loads import Fix
+from lacore.model.contact.faces import Faces
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.laws import laws_of
+from lacore.model.contact.rows import ContactPoints, Station, joined
+from lacore.model.contact.touching import Touching
+from lacore.model.meshes.solid.faces import face_corners
+from lacore.numerics.arrays import Ints, Sparse
+from lacore.program.kinematic import ContactRows
 
 
 def face_tractions(

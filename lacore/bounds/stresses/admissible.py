@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.dissipation import DissipationGroup
-from lacore.program import KinematicProgram
-from lacore.state import ProgramState
+from lacore.program.dissipation import DissipationGroup
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.state import ProgramState
 
 # Margins off all strengths, tried in turn where a state cannot be scaled: what the projection
 # moves, up to 2e-8 measured, or four times the backend's tolerance, and then more.

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from lacore.backend import InnerSolution
 from lacore.bounds.stresses.admissible import lacking, scaled, within_friction
 from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import within_strength
-from lacore.certificate import Certificate, certify
-from lacore.program import KinematicProgram, associated_contact
-from lacore.state import ProgramState
+from lacore.program.certificate import Certificate, certify
+from lacore.program.kinematic import KinematicProgram, associated_contact
+from lacore.program.state import ProgramState
+from lacore.solvers.backend import InnerSolution
 
 # What scaling may take off a load factor: less than the solve is away from the best one, or this.
 _WORTH, _OF_GAP = 1e-6, 0.5

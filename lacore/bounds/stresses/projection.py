@@ -18,11 +18,11 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
-from lacore.arrays import Floats, Sparse
+from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import factorised
-from lacore.program import KinematicProgram
-from lacore.state import ProgramState, out_of_balance
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.state import ProgramState, out_of_balance
 
 # Multipliers of redundant rows (tractions at a vertex in which facets are in line) have no
 # stiffness; this share of the diagonal lets the factorisation pass, and refinement undoes it.

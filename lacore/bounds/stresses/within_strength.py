@@ -11,10 +11,10 @@ from math import sqrt
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.bounds.stresses.projection import Balancing
-from lacore.program import KinematicProgram
-from lacore.state import ProgramState
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.state import ProgramState
 
 _STEPS = 40  # together a sixth of the time of a solve
 _HOPELESS = 0.01  # of strengths: so far beyond them a solver has found nothing

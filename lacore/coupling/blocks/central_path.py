@@ -23,8 +23,6 @@ from time import perf_counter
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import InnerSolution, PreparedSolver
 from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.run import PATH, Iterate, Run
@@ -37,11 +35,13 @@ from lacore.coupling.steps import (
     mean,
     static_alone,
 )
+from lacore.numerics.arrays import Floats
 from lacore.numerics.curve import Place, followed
-from lacore.program import FrozenContact, KinematicProgram, reaction_contact
-from lacore.showing import Compact
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.program.kinematic import FrozenContact, KinematicProgram, reaction_contact
+from lacore.program.state import ProgramState
+from lacore.reporting.showing import Compact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution, PreparedSolver
 
 _SPREADS = (0.01, 0.3, 0.3, 0.3)  # logarithmic, of the powers of the paths, one after another
 _INSIDE = 1e3  # powers of the start, of the power that its state turns over

@@ -19,13 +19,13 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Ints, Sparse
 from lacore.coupling.blocks.matrix import Factor, Pattern
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.curve import Change
 from lacore.numerics.linear_algebra import SingularError
-from lacore.program import KinematicProgram
-from lacore.showing import Compact
-from lacore.state import ProgramState
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.state import ProgramState
+from lacore.reporting.showing import Compact
 
 _HALVINGS = 40  # leave a friction within 1e-12 of its bound
 

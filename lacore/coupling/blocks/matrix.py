@@ -7,9 +7,9 @@ from scipy.sparse import csc_array, csr_array, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError
-from lacore.showing import Compact
+from lacore.reporting.showing import Compact
 
 _SHIFT = 1e-13  # of the diagonal: round-off of free blocks, which nothing holds
 _PANEL = 1  # columns at once: those of a wall have little in common

@@ -20,12 +20,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats
 from lacore.coupling.bounds import kinematic_power
-from lacore.inner.own_unknown import with_own_unknown
-from lacore.program import ContactRows, FrozenContact, KinematicProgram, associated_contact
-from lacore.showing import Compact
-from lacore.state import ProgramState
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import (
+    ContactRows,
+    FrozenContact,
+    KinematicProgram,
+    associated_contact,
+)
+from lacore.program.state import ProgramState
+from lacore.reporting.showing import Compact
+from lacore.solvers.inner.own_unknown import with_own_unknown
 
 _SHARE = 0.9  # of the bar: what is left is for round-off and equilibrium
 

@@ -7,11 +7,11 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from lacore.bodies.any_body import AnyBody
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.overlap import depth_of, overlap_told
-from lacore.bodies.continuum.body import Body
-from lacore.errors import InputError
+from lacore.model.bodies.any_body import AnyBody
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.overlap import depth_of, overlap_told
+from lacore.model.bodies.continuum.body import Body
+from lacore.reporting.errors import InputError
 
 _DEEP = 0.02  # of the smaller body: chords of round sides, that lie on each other, cross by less
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
-from lacore.errors import InputError
 from lacore.files.problem.apart import require_apart
 from lacore.files.problem.makers import MAKERS, NAMES
 from lacore.files.problem.places import Path
+from lacore.reporting.errors import InputError
 
 _MESHES = {
     *("la.meshes.rectangle", "la.meshes.quadrilaterals", "la.meshes.fan"),

@@ -5,13 +5,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from lacore.errors import InputError, suggest
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.document import ProblemFile
 from lacore.files.problem.schema.meshes import FOLDER
 from lacore.files.problem.schema.values import AMOUNTS, FORCES
 from lacore.files.problem.source import Source, has
 from lacore.files.problem.units import Amount
+from lacore.reporting.errors import InputError, suggest
 
 TAGS = ("kind", "shape", "criterion", "law", "load", "measure", "tool")
 """Keys whose values tell the kinds of tables."""

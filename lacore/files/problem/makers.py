@@ -3,32 +3,33 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from lacore.bodies.blocks import masonry
-from lacore.bodies.blocks.block_assembly import BlockAssembly, RigidBlock
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.frames import sections
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.section import Section
-from lacore.conditions import footings, loads, water
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.linear import ByLevel, Linear
-from lacore.conditions.within import Along, Beyond, Within
-from lacore.contact import shapes
-from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
-from lacore.materials import hardening
-from lacore.materials.drucker_prager import DruckerPrager
-from lacore.materials.fields import Field
-from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
-from lacore.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
-from lacore.materials.von_mises import VonMises
-from lacore.meshes.archive import load
-from lacore.meshes.fans import fan
-from lacore.meshes.layered import layered
-from lacore.meshes.naming import named
-from lacore.meshes.patches import Patch, patches
-from lacore.meshes.reading import read
-from lacore.meshes.structured import quadrilaterals, quarter_ring, rectangle
+from lacore.model.bodies.blocks import masonry
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly, RigidBlock
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.frames import sections
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.bodies.frames.section import Section
+from lacore.model.conditions import footings, loads, water
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.linear import ByLevel, Linear
+from lacore.model.conditions.within import Along, Beyond, Within
+from lacore.model.contact import shapes
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.obstacles import RigidObstacle
+from lacore.model.materials import hardening
+from lacore.model.materials.drucker_prager import DruckerPrager
+from lacore.model.materials.fields import Field
+from lacore.model.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
+from lacore.model.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
+from lacore.model.materials.von_mises import VonMises
+from lacore.model.meshes.archive import load
+from lacore.model.meshes.fans import fan
+from lacore.model.meshes.layered import layered
+from lacore.model.meshes.naming import named
+from lacore.model.meshes.patches import Patch, patches
+from lacore.model.meshes.reading import read
+from lacore.model.meshes.structured import quadrilaterals, quarter_ring, rectangle
+from lacore.model.problem.problem import Problem
 from lacore.paths.control import FootingTravel, PointTravel, Time, ToolTravel
 from lacore.paths.pace import AdaptiveSteps
 from lacore.paths.renewal.mesher import Remeshing
@@ -36,7 +37,6 @@ from lacore.paths.selection import LeastNorm
 from lacore.paths.sequential import sequential
 from lacore.paths.steady import Steady
 from lacore.paths.tools.tool import Tool
-from lacore.problem.problem import Problem
 
 MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.meshes.rectangle": rectangle,

@@ -9,7 +9,6 @@ from os import PathLike, fspath
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
-from lacore.errors import InputError, typed
 from lacore.files.problem.calls import (
     PROBLEM,
     Key,
@@ -23,9 +22,10 @@ from lacore.files.problem.calls import (
 from lacore.files.problem.places import Path
 from lacore.files.problem.source import Source
 from lacore.files.problem.units import chosen
+from lacore.model.problem.problem import Problem
 from lacore.paths.path import Path as FollowedPath
 from lacore.paths.sequential import sequential
-from lacore.problem.problem import Problem
+from lacore.reporting.errors import InputError, typed
 from lacore.reporting.units import Units
 
 if TYPE_CHECKING:

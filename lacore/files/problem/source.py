@@ -11,9 +11,9 @@ from numbers import Real
 from pathlib import Path as File
 from typing import Any
 
-from lacore.errors import InputError, MultipleInputError
 from lacore.files.problem.places import Path, lines
 from lacore.files.problem.statements import plain
+from lacore.reporting.errors import InputError, MultipleInputError
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 

@@ -6,21 +6,21 @@ from functools import singledispatch
 from math import inf, isinf, pi
 from typing import Any
 
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.section import Section
-from lacore.conditions import footings, loads, water
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.linear import ByLevel, Linear
-from lacore.conditions.where import Where
-from lacore.conditions.within import Along, Beyond, Within
-from lacore.contact.interfaces import Interface
-from lacore.errors import InputError, is_number
 from lacore.files.problem.units import DEGREES
-from lacore.materials import friction, hardening, mohr_coulomb
-from lacore.materials.drucker_prager import DruckerPrager
-from lacore.materials.fields import Field, varying
-from lacore.materials.von_mises import VonMises
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.bodies.frames.section import Section
+from lacore.model.conditions import footings, loads, water
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.linear import ByLevel, Linear
+from lacore.model.conditions.where import Where
+from lacore.model.conditions.within import Along, Beyond, Within
+from lacore.model.contact.interfaces import Interface
+from lacore.model.materials import friction, hardening, mohr_coulomb
+from lacore.model.materials.drucker_prager import DruckerPrager
+from lacore.model.materials.fields import Field, varying
+from lacore.model.materials.von_mises import VonMises
+from lacore.reporting.errors import InputError, is_number
 
 Table = dict[str, Any]
 _TAGS: Mapping[type, tuple[str, str]] = {
@@ -147,7 +147,7 @@ def place(where: Where, field: str) -> Any:
             field,
             getattr(where, "__name__", None),
             "a file has no functions",
-            "name the boundary (lacore.meshes.named), or give lacore.Within or lacore.Along",
+            "name the boundary (lacore.model.meshes.named), or give lacore.Within or lacore.Along",
         )
     return plain(where)
 

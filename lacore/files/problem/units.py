@@ -70,7 +70,7 @@ class WrongUnitError(ValueError):
     """A text that is no amount of what is asked for.
 
     Attributes:
-        reason, fix: as of `lacore.errors.InputError`.
+        reason, fix: as of `lacore.reporting.errors.InputError`.
     """
 
     def __init__(self, why: str, fix: str) -> None:

@@ -6,12 +6,12 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
 
-from lacore.errors import InputError, suggest
 from lacore.files.problem.checking import checked
 from lacore.files.problem.places import Path
 from lacore.files.problem.reading import Stated, stated_by
 from lacore.files.problem.source import Source, written
-from lacore.problem.problem import Problem
+from lacore.model.problem.problem import Problem
+from lacore.reporting.errors import InputError, suggest
 
 _RANGE = re.compile(r"\s*(?P<name>[^=]+?)\s*=\s*(?P<low>[^:]+?)\s*:\s*(?P<high>[^:]+?)\s*")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")

@@ -12,16 +12,16 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Item
 
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.frames.frame import Frame
-from lacore.errors import InputError, typed
 from lacore.files.problem import statements
 from lacore.files.problem.calls import Call, made, origin
 from lacore.files.problem.script import way
 from lacore.files.problem.statements import Table, plain
-from lacore.meshes.archive import save
-from lacore.problem.problem import Problem
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.meshes.archive import save
+from lacore.model.problem.problem import Problem
+from lacore.reporting.errors import InputError, typed
 
 _SHAPES: Mapping[str, str] = {
     "la.meshes.rectangle": "rectangle",

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.numerics.arrays import Floats
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity

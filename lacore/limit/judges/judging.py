@@ -7,18 +7,18 @@ the others see the status that remains.
 from collections.abc import Callable, Iterable, Iterator
 
 from lacore.assembly.sticking import opening
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.regions.lending import next_to_none, strengthless
-from lacore.bodies.frames.frame import Frame
-from lacore.conditions.water import PorePressure, StandingWater
 from lacore.limit import cells
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
 from lacore.limit.outcome import Outcome
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.regions.lending import next_to_none, strengthless
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
+from lacore.reporting.status import Rigor, Scope, Status
 from lacore.reporting.text import Quantity
-from lacore.status import Rigor, Scope, Status
 
 Judge = Callable[[Outcome, Status], Iterable[Finding]]
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes

@@ -5,16 +5,16 @@ from itertools import combinations
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.slips import contact_facets
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import outward_normals
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.loaded import facets_of
-from lacore.conditions.loads import Fix
-from lacore.conditions.where import where_name
-from lacore.problem.problem import Problem
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import outward_normals
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.conditions.loads import Fix
+from lacore.model.conditions.where import where_name
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 

@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
-from lacore.contact.rows import ContactPoints, tangents
-from lacore.errors import InputError
-from lacore.program import ContactRows
-from lacore.state import ProgramState
+from lacore.model.contact.rows import ContactPoints, tangents
+from lacore.numerics.arrays import Floats, Ints
+from lacore.program.kinematic import ContactRows
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import InputError
 
 _MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
 OBSTACLE = "obstacle"

@@ -3,16 +3,16 @@
 import numpy as np
 import pandas as pd
 
-from lacore.arrays import Floats
 from lacore.assembly.bonds import supports_of, without_bonds
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.loading import footings_of
-from lacore.bodies.any_body import RigidParts
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.regions import gathering
-from lacore.bodies.continuum.solid.holding import face_conditions
-from lacore.bodies.continuum.solid.normal_flow import normal_forces
-from lacore.state import ProgramState, out_of_balance
+from lacore.model.bodies.any_body import RigidParts
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.regions import gathering
+from lacore.model.bodies.continuum.solid.holding import face_conditions
+from lacore.model.bodies.continuum.solid.normal_flow import normal_forces
+from lacore.numerics.arrays import Floats
+from lacore.program.state import ProgramState, out_of_balance
 
 _COLUMNS = {
     2: ("x", "y", "force_x", "force_y", "moment"),

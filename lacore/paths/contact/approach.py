@@ -8,11 +8,11 @@ of the edge is behind the plane at the end of the step.
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.contact.laws import Laws
-from lacore.contact.obstacles import Obstacle
-from lacore.meshes.curved import EdgeCurves
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.contact.laws import Laws
+from lacore.model.contact.obstacles import Obstacle
+from lacore.model.meshes.curved import EdgeCurves
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.stations import Station
 

@@ -14,13 +14,13 @@ import numpy as np
 import shapely
 from skfem import Mesh
 
-from lacore.arrays import Bools, Floats, Ints
-from lacore.meshes.curved import edge_curves
+from lacore.model.meshes.curved import edge_curves
+from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.paths.contact.pairs import Pair
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
+from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity
-from lacore.showing import Compact
 
 FOLDED = "boundary folded"
 _PARTS = 4  # of an edge as a polyline

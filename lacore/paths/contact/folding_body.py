@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Self
 
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.spaces import VelocitySpace
-from lacore.meshes.checks import check_curved
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.spaces import VelocitySpace
+from lacore.model.meshes.checks import check_curved
 
 
 @dataclass(frozen=True, repr=False)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats, Ints
+from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.paths.contact.outlines import Outline
-from lacore.showing import Compact
+from lacore.reporting.showing import Compact
 
 SHARES = (0.0, 1.0, 0.5)
 """Of a segment: its start, its end and its middle, in the order of control values."""

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import PlaneBody
-from lacore.meshes.curved import EdgeCurves
+from lacore.model.bodies.any_body import PlaneBody
+from lacore.model.meshes.curved import EdgeCurves
+from lacore.numerics.arrays import Floats, Ints
 from lacore.paths.contact.pairs import Side
-from lacore.showing import Compact
+from lacore.reporting.showing import Compact
 
 _ITERATIONS = 12  # of Newton's method for a closest point; it converges quadratically
 _BEYOND = 0.5  # of an edge: how far past its ends a closest point is followed

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from lacore.arrays import Floats, Geometries, Ints
-from lacore.bodies.any_body import PlaneBody, of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
+from lacore.model.bodies.any_body import PlaneBody, of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.numerics.arrays import Floats, Geometries, Ints
 from lacore.paths.contact.outlines import Outline
 from lacore.paths.contact.pair_stations import facing, outlines
 from lacore.paths.contact.pairs import DEEP, Pair

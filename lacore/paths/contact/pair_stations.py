@@ -13,9 +13,9 @@ from scipy.sparse import csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.bodies.any_body import Dofs, PlaneBody
-from lacore.contact.laws import laws_of
+from lacore.model.bodies.any_body import Dofs, PlaneBody
+from lacore.model.contact.laws import laws_of
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.paths.contact.meeting import SHARES, SLIVER, Meeting, meeting
 from lacore.paths.contact.outlines import Outline, outline
 from lacore.paths.contact.pairs import DEEP, Pair

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import PlaneBody
-from lacore.contact.interfaces import Interface
-from lacore.showing import Compact
+from lacore.model.bodies.any_body import PlaneBody
+from lacore.model.contact.interfaces import Interface
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting.showing import Compact
 
 _NEAR = 1e-6  # of the size of the bodies: closer, solvers cannot tell from touching
 DEEP = 1e-3

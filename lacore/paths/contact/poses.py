@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.errors import InputError
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
 

@@ -6,21 +6,21 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import Mesh
 
-from lacore.arrays import Ints
-from lacore.bodies.any_body import PlaneBody, of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
-from lacore.bodies.touching import TOUCH
-from lacore.conditions.where import Where
-from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Obstacle, Plane, Shape
-from lacore.errors import InputError
+from lacore.model.bodies.any_body import PlaneBody, of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.model.bodies.touching import TOUCH
+from lacore.model.conditions.where import Where
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.obstacles import Obstacle, Plane, Shape
+from lacore.numerics.arrays import Ints
 from lacore.paths.contact.meeting import SHARES
 from lacore.paths.contact.overlap import DEEPEST, corner_inside
 from lacore.paths.contact.pair_stations import facing, outlines
 from lacore.paths.contact.pairs import Pair, Side, misfit
 from lacore.paths.tools.overlap import overlapping
 from lacore.reporting import terms
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Quantity, Term, text
 
 _STRAIGHT = 1e-9  # sine between edges of one plane

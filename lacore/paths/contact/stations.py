@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.contact.laws import Laws
-from lacore.contact.obstacles import Obstacle
-from lacore.contact.rows import ContactPoints
-from lacore.program import ContactRows
-from lacore.showing import Compact
+from lacore.model.contact.laws import Laws
+from lacore.model.contact.obstacles import Obstacle
+from lacore.model.contact.rows import ContactPoints
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.program.kinematic import ContactRows
+from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)

@@ -6,7 +6,6 @@ from pathlib import Path as File
 from traceback import extract_tb
 from typing import Any
 
-from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending, PathEndError
@@ -23,6 +22,7 @@ from lacore.paths.logbook import Log
 from lacore.paths.path import Path
 from lacore.paths.schemes import Here
 from lacore.paths.stage import Stage
+from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 

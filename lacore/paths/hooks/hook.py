@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from lacore.errors import InputError, require_known
 from lacore.limit.state import LimitState
+from lacore.model.problem.problem import Problem
 from lacore.paths.path import Path, PathStep
-from lacore.problem.problem import Problem
-from lacore.showing import Compact
+from lacore.reporting.errors import InputError, require_known
+from lacore.reporting.showing import Compact
 
 BEFORE_STEP, AFTER_STEP = "before step", "after step"
 BEFORE_SOLVE, AFTER_SOLVE = "before solve", "after solve"

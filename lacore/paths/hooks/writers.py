@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path as File
 from typing import TextIO
 
-from lacore import views
-from lacore.errors import InputError
 from lacore.paths.hooks.hook import AFTER_STEP, END, Hook, PathProgress
+from lacore.reporting import views
+from lacore.reporting.errors import InputError
 
 _FIGURES = (".png", ".svg", ".pdf")
 _FILMS = (".gif", ".mp4")

@@ -9,16 +9,16 @@ from types import MappingProxyType
 import numpy as np
 from skfem import Mesh
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.errors import InputError, require_known, require_positive
-from lacore.meshes.curved import signed_jacobians
-from lacore.meshes.renewal.outline import remeshed
-from lacore.meshes.renewal.sizes import element_sizes
-from lacore.meshes.renewal.triangles import load_gmsh
-from lacore.problem.problem import Problem
-from lacore.showing import Compact
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.meshes.curved import signed_jacobians
+from lacore.model.meshes.renewal.outline import remeshed
+from lacore.model.meshes.renewal.sizes import element_sizes
+from lacore.model.meshes.renewal.triangles import load_gmsh
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError, require_known, require_positive
+from lacore.reporting.showing import Compact
 
 _TRIANGLE = np.array([[1.0, -1 / np.sqrt(3)], [0.0, 2 / np.sqrt(3)]])
 """Takes the triangle of reference to the equilateral one: the inverse of that map is needed."""

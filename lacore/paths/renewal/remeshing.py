@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from skfem import Mesh, MeshQuad, MeshTri
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.bodies.continuum.spaces import isoparametric
-from lacore.contact.obstacles import Obstacle
-from lacore.errors import InputError, require_known
-from lacore.meshes.curved import is_curved
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import vertex_at
+from lacore.model.bodies.continuum.spaces import isoparametric
+from lacore.model.contact.obstacles import Obstacle
+from lacore.model.meshes.curved import is_curved
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.pairs import DEEP
 from lacore.paths.control import Control, PointTravel
@@ -21,7 +21,7 @@ from lacore.paths.renewal.mesher import Point, Remeshing
 from lacore.paths.renewal.transfer import transfer_errors, transferred
 from lacore.paths.stage import Stage, staged
 from lacore.paths.tools.tool import Tooling
-from lacore.problem.problem import Problem
+from lacore.reporting.errors import InputError, require_known
 
 Remesh = Callable[[Problem], Mapping[str, Mesh]]
 """New meshes by body, of bodies where they are now; those without one keep theirs.
@@ -208,4 +208,5 @@ def described(remesh: Remesh | None) -> object:
     if remesh is None or isinstance(remesh, Remeshing):
         return remesh
     name = getattr(remesh, "__qualname__", type(remesh).__qualname__)
-    return f"{getattr(remesh, '__module__', type(remesh).__module__)}.{name}"
+    module: str = getattr(remesh, "__module__", type(remesh).__module__)
+    return f"{module.replace('lacore.model.', 'lacore.')}.{name}"  # as in checkpoints of 0.4

@@ -4,19 +4,19 @@ import numpy as np
 import shapely
 from skfem import Mesh
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.nodal import node_means
-from lacore.meshes.curved import subdivided
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.nodal import node_means
+from lacore.model.meshes.curved import subdivided
+from lacore.numerics.arrays import Floats, Ints
 
 
 def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
     """Strains (elements, q) at the strain points of a new mesh.
 
-    Means around the vertices of the old mesh (`lacore.bodies.continuum.nodal.vertex_means`), linear
-    between its nodes; beyond its boundary those of the nearest place. Uniform strains stay what
-    they are, none becomes larger or smaller than all before; peaks are smoothed over an element.
-    Each region gets its own strains.
+    Means around the vertices of the old mesh (`lacore.model.bodies.continuum.nodal.vertex_means`),
+    linear between its nodes; beyond its boundary those of the nearest place. Uniform strains stay
+    what they are, none becomes larger or smaller than all before; peaks are smoothed over an
+    element. Each region gets its own strains.
     """
     places = np.asarray(new.basis.global_coordinates())
     found = np.empty(places.shape[1:])

@@ -25,9 +25,7 @@ from skfem import Mesh
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore import __version__
-from lacore.arrays import Floats
-from lacore.backend import load_backend
-from lacore.errors import InputError
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment
 from lacore.paths.path import Event, PathStep, Snapshot
@@ -36,6 +34,8 @@ from lacore.paths.schemes import Here
 from lacore.paths.stage import Stage
 from lacore.paths.stored.fingerprint import fingerprint
 from lacore.paths.stored.progress import Progress, WrongFieldError, require_sound
+from lacore.reporting.errors import InputError
+from lacore.solvers.backend import load_backend
 
 _FORMAT = 7
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
-from lacore.errors import InputError
-from lacore.materials.hardening import HardeningLaw
+from lacore.model.materials.hardening import HardeningLaw
+from lacore.reporting.errors import InputError
 
 _SAMPLES = np.concatenate([[0.0], np.geomspace(1e-6, 10.0, 71)])  # of strain, of laws of others
 

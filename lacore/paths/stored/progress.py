@@ -8,12 +8,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.errors import is_number
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.path import Event, PathStep, Snapshot
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
+from lacore.reporting.errors import is_number
 
 _SUMMED = 1e-9  # relative: round-off of powers that add up to a load, with digits in hand
 _UNKNOWN = ("error", "gap")  # of a row: may be NaN, where a step had none before

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.contact.obstacles import Shape
-from lacore.contact.profiles import InnerCorner
-from lacore.showing import Compact
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.contact.obstacles import Shape
+from lacore.model.contact.profiles import InnerCorner
+from lacore.numerics.arrays import Floats
+from lacore.reporting.showing import Compact
 
 PART = "tool"
 """Name of the block that carries a tool."""

@@ -11,16 +11,16 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.any_body import PlaneBody
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.blocks.rigid_blocks import RigidBlocks
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.loads import Load, PointForce
-from lacore.contact.laws import Laws
-from lacore.contact.obstacles import Obstacle, Plane, Shape
+from lacore.model.bodies.any_body import PlaneBody
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.conditions.loads import Load, PointForce
+from lacore.model.contact.laws import Laws
+from lacore.model.contact.obstacles import Obstacle, Plane, Shape
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.approach import obstacle_station
 from lacore.paths.contact.outlines import Outline, outline

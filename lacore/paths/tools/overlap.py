@@ -6,11 +6,11 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.body import Body
-from lacore.contact.obstacles import Obstacle
-from lacore.errors import InputError
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.contact.obstacles import Obstacle
+from lacore.numerics.arrays import Floats
 from lacore.paths.tools.carrier import corners_of
+from lacore.reporting.errors import InputError
 from lacore.reporting.text import Quantity, text
 
 _FINE = 50  # parts of each piece of an outline

@@ -8,14 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
-from lacore.conditions.where import Where
-from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Shape
-from lacore.errors import (
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.conditions.where import Where
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.obstacles import Shape
+from lacore.model.materials.friction import Friction, friction_law
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.paths.control import ToolTravel
+from lacore.paths.tools.carrier import PART, carrier
+from lacore.reporting import terms
+from lacore.reporting.errors import (
     InputError,
     is_number,
     is_plane_vector,
@@ -23,13 +28,8 @@ from lacore.errors import (
     require_range,
     suggest,
 )
-from lacore.materials.friction import Friction, friction_law
-from lacore.paths.control import ToolTravel
-from lacore.paths.tools.carrier import PART, carrier
-from lacore.problem.problem import Problem
-from lacore.reporting import terms
+from lacore.reporting.showing import Compact
 from lacore.reporting.text import Term, text
-from lacore.showing import Compact
 
 Side = tuple[str, Where]
 
@@ -41,7 +41,8 @@ class Tool(Compact):
     Several tools move together: each by its own velocity per travel of the path.
 
     Attributes:
-        shape: of `lacore.shapes`, or a shape of your own, see `lacore.contact.obstacles.Shape`.
+        shape: of `lacore.shapes`, or a shape of your own, see
+        `lacore.model.contact.obstacles.Shape`.
         touches: ``(body name, where)``, or a list of several: the boundaries that it may touch.
         velocity: how far the reference point moves per travel, (x, y).
         turn: angle by which the tool turns about it per travel, rad/m, anticlockwise.

@@ -9,17 +9,17 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lacore.arrays import Bools, Floats
-from lacore.bodies.any_body import AnyBody
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.frames.frame import Frame
-from lacore.meshes.curved import edge_lines, outlines
+from lacore.model.bodies.any_body import AnyBody
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.dofs import RigidDofs
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.meshes.curved import edge_lines, outlines
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Bools, Floats
 from lacore.pictures.blocks import FIXED, fill_blocks
 from lacore.pictures.mesh import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, quantity
-from lacore.problem.problem import Problem
 from lacore.reporting.text import Reader, render
 
 _FEW = 6  # regions, that have their own entries of the legend

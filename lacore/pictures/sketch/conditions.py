@@ -6,14 +6,14 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import AnyBody, plane
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.touching import Edges
-from lacore.conditions.loads import Fix
-from lacore.contact.interfaces import Interface
-from lacore.contact.touching import in_plane, where_touching
-from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction, Tresca
+from lacore.model.bodies.any_body import AnyBody, plane
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.touching import Edges
+from lacore.model.conditions.loads import Fix
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.touching import in_plane, where_touching
+from lacore.model.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction, Tresca
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced

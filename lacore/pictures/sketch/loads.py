@@ -10,21 +10,21 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.tri import Triangulation
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import AnyBody, plane
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.loads import carried
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.body_forces import elements_of
-from lacore.bodies.continuum.water import in_pores
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.loads import line_load
-from lacore.bodies.touching import Edges
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.footings import RigidFooting
-from lacore.conditions.loads import Load, PointForce, Pressure, Traction, acts
-from lacore.conditions.water import PorePressure, StandingWater
-from lacore.meshes.curved import outlines
+from lacore.model.bodies.any_body import AnyBody, plane
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.blocks.loads import carried
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.body_forces import elements_of
+from lacore.model.bodies.continuum.water import in_pores
+from lacore.model.bodies.frames.frame import Frame
+from lacore.model.bodies.frames.loads import line_load
+from lacore.model.bodies.touching import Edges
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.footings import RigidFooting
+from lacore.model.conditions.loads import Load, PointForce, Pressure, Traction, acts
+from lacore.model.conditions.water import PorePressure, StandingWater
+from lacore.model.meshes.curved import outlines
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import has_axis
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
 

@@ -3,10 +3,11 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.blocks.block_assembly import BlockAssembly
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import draw_axis, label_coordinates, lay_out
 from lacore.pictures.sketch.bodies import draw_body, part_names
 from lacore.pictures.sketch.conditions import (
@@ -21,7 +22,6 @@ from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Sheet
 from lacore.pictures.space.acting import sketch_of_faces
 from lacore.pictures.space.problem import sketch_in_space
-from lacore.problem.problem import Problem
 from lacore.reporting.units import Units, fitting
 
 _POINTS = 72.0  # an inch

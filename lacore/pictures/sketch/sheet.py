@@ -10,9 +10,9 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.textpath import TextPath
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.regions.region import Region
-from lacore.bodies.touching import Edges
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.touching import Edges
+from lacore.numerics.arrays import Floats
 from lacore.reporting.units import Units
 
 TEXT = 9.0  # points

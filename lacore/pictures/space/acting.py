@@ -9,18 +9,18 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.conditions.where import Where
-from lacore.meshes.solid.faces import face_corners
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import boundary_facets
+from lacore.model.conditions.where import Where
+from lacore.model.meshes.solid.faces import face_corners
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats, Ints
 from lacore.pictures.space.drawing import explain, page, space
 from lacore.pictures.space.surface import PLAIN, fill_faces
-from lacore.problem.problem import Problem
+from lacore.reporting.showing import cut
 from lacore.reporting.text import Reader, render, text
 from lacore.reporting.units import Units
-from lacore.showing import cut
 
 _HELD = ("#a8a8a8", "#8fa3b0", "#7d8c7a", "#b0a58f", "#6f6f7f", "#c2c2b0")
 _LOADED, _DEAD, _TOUCHED = "Greens", "Purples", "Oranges"

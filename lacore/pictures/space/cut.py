@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import ElementTetP1, ElementTetP2, MeshTet
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.errors import InputError, is_vector
-from lacore.showing import Compact
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting.errors import InputError, is_vector
+from lacore.reporting.showing import Compact
 
 _SAME = 1e-9  # of the size of a mesh: vertices that far from the plane lie in it
 _NOTHING = 1e-12  # of the square of that size: smaller areas are edges and vertices in the plane

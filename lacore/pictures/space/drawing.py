@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from lacore.arrays import Floats, Ints
+from lacore.numerics.arrays import Floats, Ints
 from lacore.pictures.space.structure import Blocks, from_behind
 from lacore.reporting.units import Units
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
-from lacore.errors import InputError, install_command
 from lacore.limit.state import LimitState
+from lacore.numerics.arrays import Floats, Ints
 from lacore.pictures.contact import COLOURS
 from lacore.pictures.space.mechanism import MOVES, THRUST, colours_of, thrust_lines
 from lacore.pictures.space.structure import Motion, motion_of, stretch_of, touches_of
+from lacore.reporting.errors import InputError, install_command
 
 _TUBE = 0.008  # radius of the line of the largest force, per size of the structure
 _FAINTEST = 0.01  # of the largest force

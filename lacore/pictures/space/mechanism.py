@@ -7,8 +7,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from lacore.arrays import Floats
 from lacore.limit.state import LimitState
+from lacore.numerics.arrays import Floats
 from lacore.pictures.contact import COLOURS
 from lacore.pictures.space.drawing import (
     draw_edges,

@@ -7,16 +7,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from lacore.arrays import Floats
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.loads import carried
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.blocks.loads import carried
+from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
 from lacore.pictures.space.drawing import explain, fill_polygons, fill_solids, page, space
 from lacore.pictures.space.structure import Blocks, blocks_of
-from lacore.problem.problem import Problem
+from lacore.reporting.showing import cut
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
-from lacore.showing import cut
 
 FREE, FIXED = "#ece2cd", "#a8a8a8"
 _GROUND = "#8c6d46"

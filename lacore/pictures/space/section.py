@@ -12,17 +12,17 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from lacore.arrays import Floats
-from lacore.bodies.continuum.body import Body
 from lacore.bounds.lower import LowerBound
-from lacore.errors import InputError
 from lacore.limit.state import LimitState
+from lacore.model.bodies.continuum.body import Body
+from lacore.numerics.arrays import Floats
 from lacore.pictures.axis import colour_bar, label_lengths
 from lacore.pictures.mechanism import title_of
 from lacore.pictures.mesh import STRENGTH_USED, strength_used
 from lacore.pictures.space.cut import Cut, Plane, cut_by, plane_of, velocity_in
 from lacore.pictures.space.mechanism import MOVES
 from lacore.pictures.space.surface import DISSIPATION
+from lacore.reporting.errors import InputError
 from lacore.reporting.units import Units
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the section alone

@@ -7,13 +7,13 @@ from heapq import heappop, heappush
 import numpy as np
 import shapely
 
-from lacore.arrays import Bools, Floats, Ints
-from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.blocks3d.hulls import hull_corners
-from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.limit.state import LimitState
+from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.bodies.blocks3d.hulls import hull_corners
+from lacore.model.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.pictures.blocks import held_blocks
-from lacore.showing import Compact
+from lacore.reporting.showing import Compact
 
 _TINY = np.finfo(float).tiny
 _SAME = 1e-6  # of the size of the structure, and of unit normals

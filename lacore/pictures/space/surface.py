@@ -12,11 +12,11 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from skfem import MeshTet
 
-from lacore.arrays import Bools, Floats
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.limit.state import LimitState
-from lacore.meshes.solid.faces import face_corners
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.solid.faces import face_geometry
+from lacore.model.meshes.solid.faces import face_corners
+from lacore.numerics.arrays import Bools, Floats
 from lacore.pictures.axis import colour_bar
 from lacore.pictures.space.drawing import explain, eye, page, space
 from lacore.reporting.units import Units

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.state import ProgramState, internal_force
+from lacore.program.state import ProgramState, internal_force
 from tests.lacore.models import CRITERION, obstacle, polynomial, punch, square, under_footing
 
 ROUND_OFF = 1e-12

@@ -3,7 +3,7 @@
 import pytest
 
 import lacore as la
-from lacore.status import Rigor, Scope
+from lacore.reporting.status import Rigor, Scope
 from tests.lacore.models import cantilever
 from tests.rigid_problems import block_slide, box
 

@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.assembly.unknowns import Unknowns
-from tests.lacore.bodies.blocks3d.solids import box
+from tests.lacore.model.bodies.blocks3d.solids import box
 from tests.rigid_problems import box as rectangle
 
 

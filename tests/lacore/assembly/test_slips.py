@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from skfem import MeshTri
 
 import lacore as la
-from lacore.adaptive.marking import upper_shares
+from lacore.bounds.bracket.marking import upper_shares
 from tests.lacore.models import CRITERION, obstacle, punch
 from tests.shares import one_in
 

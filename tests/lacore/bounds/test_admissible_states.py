@@ -14,10 +14,10 @@ from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
 from lacore.bounds.upper import plastic_power
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.certificate import certify
-from lacore.inner.preparing import prepared_by
-from lacore.program import associated_contact
-from lacore.state import out_of_balance
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact
+from lacore.program.state import out_of_balance
+from lacore.solvers.inner.preparing import prepared_by
 from tests.lacore.models import CRITERION, square
 from tests.lacore.planted import MU, P0, flowing, flowing_field, on_free_unknowns, sliding
 

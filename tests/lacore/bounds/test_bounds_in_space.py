@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.continuum.regions.lattices import lattice
-from lacore.bodies.continuum.solid.faces import EDGES
-from lacore.bodies.continuum.solid.lattice import divided
+from lacore.model.bodies.continuum.regions.lattices import lattice
+from lacore.model.bodies.continuum.solid.faces import EDGES
+from lacore.model.bodies.continuum.solid.lattice import divided
 from tests.lacore.solid_statements import lower_proof, upper_proof
 from tests.lacore.tetrahedra import CRITERION, SPACES, cube, gradients, strip, tensors, torsion
 
-SOLVED = 1e-7  # of the load factor, as in `tests.lacore.bodies.test_tetrahedra`
+SOLVED = 1e-7  # of the load factor, as in `tests.lacore.model.bodies.test_tetrahedra`
 STRIP = 2 + pi
 
 

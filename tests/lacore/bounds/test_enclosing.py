@@ -3,8 +3,6 @@
 import pytest
 
 import lacore as la
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import (
     associated,
     frictionless,
@@ -12,6 +10,8 @@ from lacore.bounds.enclosing import (
     require_associated_flow,
     with_associated_flow,
 )
+from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.continuum.body import Body
 from tests.lacore.models import deformable_block, square
 
 ROUGH = la.Coulomb(0.3, adhesion=0.2, tension=0.1)

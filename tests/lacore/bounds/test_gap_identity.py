@@ -7,10 +7,10 @@ import pytest
 
 import lacore as la
 from lacore.assembly.discretise import discretise
-from lacore.bodies.continuum.solid.faces import EDGES
 from lacore.bounds.gap_identity import restriction
 from lacore.bounds.solid.restriction import solid_restriction
 from lacore.bounds.static_model import static_model
+from lacore.model.bodies.continuum.solid.faces import EDGES
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
 

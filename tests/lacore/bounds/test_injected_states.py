@@ -11,9 +11,9 @@ from lacore.bounds import lower as lower_module
 from lacore.bounds import upper as upper_module
 from lacore.bounds.stresses.attempt import Attempt
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.certificate import certify
-from lacore.program import associated_contact
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact
+from lacore.reporting.status import Status
 from tests.lacore.models import CRITERION
 from tests.lacore.planted import flowing, flowing_field, on_free_unknowns
 

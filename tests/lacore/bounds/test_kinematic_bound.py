@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.assembly.discretise import discretise
-from lacore.bodies.continuum.dofs import edge_shapes
-from lacore.bodies.continuum.regions.lattices import lattice
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.certificate import certify
 from lacore.limit.conversion import point_in_program
-from lacore.program import associated_contact, dimensionless
-from tests.lacore.bodies.test_spaces import block, half_space
-from tests.lacore.bodies.test_spaces import punch as uniform_punch
+from lacore.model.bodies.continuum.dofs import edge_shapes
+from lacore.model.bodies.continuum.regions.lattices import lattice
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact, dimensionless
+from tests.lacore.model.bodies.test_spaces import block, half_space
+from tests.lacore.model.bodies.test_spaces import punch as uniform_punch
 from tests.lacore.models import CRITERION, deformable_block, punch, square
 from tests.lacore.random_continua import problem as random_problem
 

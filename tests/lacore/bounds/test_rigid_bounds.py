@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.adaptive.singular_points import singular_points
+from lacore.bounds.bracket.singular_points import singular_points
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.limit.conversion import point_in_program
-from lacore.program import dimensionless
+from lacore.program.kinematic import dimensionless
 from tests.lacore.models import punch
 
 PRANDTL = 2 + pi

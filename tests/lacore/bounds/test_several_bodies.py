@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 
 import lacore as la
 from lacore.bounds.static_bonds import StaticBonds
-from lacore.problem.matching import glued
+from lacore.model.problem.matching import glued
 from lacore.reporting.kinds import Kind
 from tests.lacore.models import CRITERION
 

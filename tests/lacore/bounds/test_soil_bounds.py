@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.adaptive.singular_points import singular_points
-from lacore.bodies.continuum.regions.lending import hardly_any, next_to_none
+from lacore.bounds.bracket.singular_points import singular_points
 from lacore.bounds.stresses.admissible import weaker
-from lacore.status import Rigor, Status
+from lacore.model.bodies.continuum.regions.lending import hardly_any, next_to_none
+from lacore.reporting.status import Rigor, Status
 
 
 def footing(

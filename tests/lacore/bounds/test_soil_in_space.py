@@ -8,7 +8,7 @@ from lacore_verification.cases.shared.tetrahedra import hollow_octant
 from tests.lacore.solid_statements import lower_proof, upper_proof
 from tests.lacore.tetrahedra import CRITERION, SPACES, cube, strip
 
-SOLVED = 1e-7  # of the load factor, as in `tests.lacore.bodies.test_tetrahedra`
+SOLVED = 1e-7  # of the load factor, as in `tests.lacore.model.bodies.test_tetrahedra`
 ANGLE = 20.0
 JUMPING = ("p1-disc", "p2-disc")
 

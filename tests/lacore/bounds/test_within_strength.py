@@ -7,15 +7,15 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.backend import find_backend
 from lacore.bounds.static_model import static_model
 from lacore.bounds.stresses.admissible import weaker
 from lacore.bounds.stresses.attempt import attempt
 from lacore.bounds.stresses.projection import alike, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
-from lacore.meshes.refinement import bisected
-from lacore.program import associated_contact, dimensionless
-from lacore.state import out_of_balance
+from lacore.model.meshes.refinement import bisected
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.program.state import out_of_balance
+from lacore.solvers.backend import find_backend
 
 EXACT = 1e-12  # of forces, as certificates ask for
 TIGHT = 1e-9  # tolerance of a solve beside which the noise below is large

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import InnerSolution
 from lacore.coupling.bounds import kinematic_load_factor, lower_bound, upper_bound
-from lacore.program import associated_contact, frictionless_contact
-from lacore.status import Status
-from tests.lacore.inner.test_light_blocks import stone_on_a_wall
+from lacore.program.kinematic import associated_contact, frictionless_contact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 from tests.lacore.planted import P0, flowing, flowing_field, on_free_unknowns
+from tests.lacore.solvers.inner.test_light_blocks import stone_on_a_wall
 
 EXACT = 2 - P0  # load factor of `flowing`, of the continuum and of the mesh
 TOLERANCE = 1e-6

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import find_backend, read_options
 from lacore.coupling.blocks import central_path as of_blocks
 from lacore.coupling.blocks.central_path import (
     Path,
@@ -23,9 +22,10 @@ from lacore.coupling.certified import averaged
 from lacore.coupling.freezing import associated
 from lacore.coupling.run import CouplingOptions, Run
 from lacore.coupling.steps import alternate, mean, static_alone
-from lacore.inner.preparing import preparing
-from lacore.program import associated_contact, dimensionless
-from lacore.status import Status
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.reporting.status import Status
+from lacore.solvers.backend import find_backend, read_options
+from lacore.solvers.inner.preparing import preparing
 from tests.coulomb_checker import accepts, residuals
 from tests.rigid_problems import incline
 from tests.statements import stated

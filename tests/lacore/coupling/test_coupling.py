@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.backend import InnerSolution
 from lacore.coupling.fixed_point import reaction_loop
 from lacore.coupling.run import CouplingOptions, Run
 from lacore.numerics.anderson import Anderson
-from lacore.status import Status
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 from tests.lacore.models import cantilever, deformable_block, obstacle, square
 from tests.lacore.random_programs import random_program
 from tests.shares import one_in

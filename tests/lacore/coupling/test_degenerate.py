@@ -12,7 +12,7 @@ from lacore.coupling.blocks.matrix import Factor, Pattern
 from lacore.coupling.faces import faces
 from lacore.limit.conversion import point_in_program
 from lacore.numerics.linear_algebra import SingularError
-from lacore.program import dimensionless
+from lacore.program.kinematic import dimensionless
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf])

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import InnerSolution
-from lacore.certificate import certify
 from lacore.coupling.bounds import kinematic_load_factor, kinematic_power
 from lacore.coupling.freezing import friction_of, generous, pressing
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import CouplingOptions, Iterate, Run, answered_by, paired, worst
-from lacore.program import Scales, dimensionless, frictionless_contact, reaction_contact
-from lacore.regularization import RegularisedValues
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import Scales, dimensionless, frictionless_contact, reaction_contact
+from lacore.program.regularization import RegularisedValues
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 from tests.lacore.planted import MU, P0, flowing, sliding
 
 TOLERANCE = 1e-6

@@ -8,20 +8,20 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from lacore.backend import InnerSolution
-from lacore.bodies.blocks.bonds import random_bond
-from lacore.certificate import certify
 from lacore.coupling.interval import EndStatus, load_factor_interval
 from lacore.limit.conversion import point_in_program
-from lacore.program import (
+from lacore.model.bodies.blocks.bonds import random_bond
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
     ContactRows,
     KinematicProgram,
     associated_contact,
     dimensionless,
     reaction_contact,
 )
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.program.state import ProgramState
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
 from tests.frame_problems import pushed, pushed_exact
 from tests.lacore.block_programs import between_walls, plug, rough_stop, sliding_block, wall
 from tests.lacore.models import deformable_block

@@ -9,10 +9,10 @@ import pytest
 
 import lacore as la
 import lacore.coupling.certified as certified
-from lacore.errors import InputError
-from lacore.inner.preparing import ROUGH, rough
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.stage import staged
+from lacore.reporting.errors import InputError
+from lacore.solvers.inner.preparing import ROUGH, rough
 from lacore_backends.clarabel_socp import Clarabel
 from tests.lacore.paths.path_billets import billet
 
@@ -90,7 +90,7 @@ def test_where_rough_solves_fail_it_begins_as_ever(step, cold, monkeypatch):
 
     class Fails:
         def solve(self, _contact):
-            return la.backend.InnerSolution(la.Status.FAILED, "broken", 0, 0.0, None)
+            return la.solvers.backend.InnerSolution(la.Status.FAILED, "broken", 0, 0.0, None)
 
         def close(self):
             pass
@@ -169,7 +169,7 @@ def test_friction_of_other_points_is_refused(step, wrong, name):
 
 def test_rough_is_no_tighter_than_what_was_asked_for():
     """By the gap that a backend leaves, as elsewhere."""
-    for name, expected in (("clarabel", ROUGH), ("auto", ROUGH * la.backend.TRUE_GAP)):
+    for name, expected in (("clarabel", ROUGH), ("auto", ROUGH * la.solvers.backend.TRUE_GAP)):
         backend = la.find_backend(name)
         assert rough(backend, backend.Options()).tolerance == expected
         assert rough(backend, backend.Options(tolerance=0.1)).tolerance == 0.1

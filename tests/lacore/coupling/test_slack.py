@@ -6,7 +6,7 @@ import pytest
 import lacore as la
 from lacore.coupling.blocks.slack import Slack
 from lacore.limit.conversion import point_in_program
-from lacore.program import dimensionless
+from lacore.program.kinematic import dimensionless
 
 BAR = 1e-6
 

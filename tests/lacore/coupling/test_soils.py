@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.assembly.discretise import discretise
-from lacore.backend import find_backend
 from lacore.coupling.deadline import OutOfTime
 from lacore.coupling.freezing import davis
-from lacore.program import associated_contact, dimensionless
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.solvers.backend import find_backend
 from tests.lacore.models import sheared
 
 EXACT = ["clarabel", "cvxpy", "ipopt-static"]
@@ -334,7 +334,7 @@ def test_searches_that_run_out_of_time_keep_what_they_have_found(monkeypatch):
         if left[0] < 0:
             raise OutOfTime
 
-    monkeypatch.setattr("lacore.ranges.soil.until", lambda _: check)
+    monkeypatch.setattr("lacore.analyses.ranges.soil.until", lambda _: check)
     one = la.soil_range(problem, shares=(1.0,))
     assert one.stopped.endswith("after 2 of 2 searches")
     assert one.status is la.Status.SOLVED

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.any_body import numbered
-from lacore.bodies.blocks import masonry
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.nodal import element_means, node_means, vertex_means
-from lacore.errors import InputError
 from lacore.files.vtu import SERIES
+from lacore.model.bodies.any_body import numbered
+from lacore.model.bodies.blocks import masonry
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.nodal import element_means, node_means, vertex_means
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import billet, pressed, quad_billet
 from tests.lacore.pictures.readings import column
 

@@ -6,7 +6,7 @@ import pytest
 
 import lacore as la
 from lacore.limit.judges.judging import strengthless_bodies
-from lacore.status import Status
+from lacore.reporting.status import Status
 
 
 def masonry(criterion):

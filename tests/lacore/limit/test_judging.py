@@ -7,7 +7,7 @@ import pytest
 
 from lacore.limit.judges.judging import moments_inside
 from lacore.reporting.kinds import Kind
-from lacore.status import Status
+from lacore.reporting.status import Status
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.continuum.loaded import force
 from lacore.limit import advice
 from lacore.limit.larger import with_ground_beyond
 from lacore.limit.solve import solve
+from lacore.model.bodies.continuum.loaded import force
 from lacore_verification.catalogue.catalogue import catalogue, find
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.claims.locking_ray import locking_ray
-from lacore.program import associated_contact
-from lacore.status import Status
+from lacore.coupling.claims.locking_ray import locking_ray
+from lacore.program.kinematic import associated_contact
+from lacore.reporting.status import Status
 from tests.lacore.limit.cavities import cavity
 
 SURFACED = ("clarabel", "cvxpy", "ipopt-static")

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import InnerSolution
-from lacore.certificate import certify
-from lacore.claims.carrying import carrying
+from lacore.coupling.claims.carrying import carrying
 from lacore.limit.conversion import point_in_program
 from lacore.limit.stability import stability_of
-from lacore.program import associated_contact, dimensionless
-from lacore.status import Standing, Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.reporting.status import Standing, Status
+from lacore.solvers.backend import InnerSolution
 from tests.frame_problems import DOWN
 from tests.lacore.limit.test_span_hinges import PROPPED, beam
 from tests.lacore.models import deformable_block, obstacle, square

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.meshes.curved import EdgeCurves
+from lacore.model.meshes.curved import EdgeCurves
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.approach import gaps, obstacle_station
 from lacore.paths.contact.stations import gathered

@@ -9,13 +9,13 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.errors import InputError
-from lacore.meshes.curved import edge_curves, jacobians
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.meshes.curved import edge_curves, jacobians
 from lacore.paths.ending import Ending
 from lacore.paths.renewal.mesher import mean_ratios
 from lacore.paths.renewal.remeshing import described
 from lacore.paths.renewal.transfer import transfer_errors, transferred
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import billet, pressed
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after
 from tests.lacore.paths.test_path_remesh import require_gmsh

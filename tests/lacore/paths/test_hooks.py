@@ -6,10 +6,10 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.paths.ending import Ending
 from lacore.paths.hooks.hook import TIMES
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import pressed
 from tests.lacore.paths.test_path_checkpoint import assert_same
 

@@ -15,13 +15,13 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from lacore.errors import InputError
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment
 from lacore.paths.path import Snapshot
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stored.progress import Progress
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import FOLLOWED, billet, pressed
 from tests.shares import one_in
 

@@ -10,9 +10,9 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from lacore.errors import InputError
 from lacore.paths.stage import staged
 from lacore.paths.stored.checkpoint import Checkpoint, _digest, _seal
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import billet, pressed
 
 ODD = [nan, inf, -1, -1.0, 0, 1e308, 10**400, 0.5, 3, True, None, "", "x", [], [1, 2], {}, {"a": 1}]

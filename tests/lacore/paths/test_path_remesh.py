@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.any_body import numbered
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.errors import InputError
-from lacore.meshes.curved import edge_curves
+from lacore.model.bodies.any_body import numbered
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.meshes.curved import edge_curves
 from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
 from lacore.paths.logbook import Log, peak
@@ -20,6 +19,7 @@ from lacore.paths.path import PathStep
 from lacore.paths.renewal.remeshing import NewMeshes, carried, restaged
 from lacore.paths.renewal.transfer import transferred
 from lacore.paths.stage import staged
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import billet, pressed, quad_billet
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after
 from tests.lacore.pictures.readings import drawn, words

@@ -7,7 +7,7 @@ import pytest
 from skfem import MeshQuad
 
 import lacore as la
-from lacore.meshes.curved import jacobians
+from lacore.model.meshes.curved import jacobians
 from tests.lacore.paths.test_path_remesh import require_gmsh
 
 SLOT, MIDDLE = 0.2, 0.6  # m: height of the slot between the arms of a hairpin, and of its middle

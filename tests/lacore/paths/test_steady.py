@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.errors import InputError
 from lacore.paths.ending import Ending
 from lacore.paths.steady import drift_of
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after
 
 STEPS = 24

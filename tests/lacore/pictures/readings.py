@@ -7,7 +7,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_hex
 
 import lacore as la
-from lacore.bodies.blocks import masonry
+from lacore.model.bodies.blocks import masonry
 
 
 def drawn(figure):

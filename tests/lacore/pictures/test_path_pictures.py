@@ -12,10 +12,10 @@ from matplotlib.collections import LineCollection
 from PIL import Image
 
 import lacore as la
-from lacore.errors import InputError
 from lacore.paths.control import unit_of
 from lacore.paths.path import Event
 from lacore.pictures.path import strain_scale
+from lacore.reporting.errors import InputError
 from tests.lacore.paths.path_billets import PLATEN, billet, pressed, quad_billet
 from tests.lacore.pictures.readings import drawn, words
 from tests.shares import one_in

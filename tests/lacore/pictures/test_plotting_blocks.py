@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 import lacore as la
-from lacore.bodies.blocks import masonry
+from lacore.model.bodies.blocks import masonry
 from lacore.pictures.blocks import FIXED
 from lacore.pictures.contact import COLOURS, GROUND
 from lacore.pictures.forces import THRUST, contact_forces

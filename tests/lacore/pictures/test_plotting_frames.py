@@ -6,7 +6,7 @@ from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.colors import to_hex
 
 import lacore as la
-from lacore.bodies.blocks import masonry
+from lacore.model.bodies.blocks import masonry
 from lacore.pictures.forces import THRUST
 from lacore.pictures.frames import HINGE, MOMENT
 from lacore.pictures.mechanism import plot_mechanism

@@ -7,7 +7,7 @@ import pytest
 import lacore as la
 from lacore.pictures.space.mechanism import thrust_lines
 from lacore.pictures.space.structure import motion_of, touches_of
-from tests.lacore.bodies.blocks3d.solids import box, triangulated
+from tests.lacore.model.bodies.blocks3d.solids import box, triangulated
 from tests.lacore.shown import weak_pier
 
 FLOOR = la.RigidObstacle((0, 0, 0), (0, 0, 1))

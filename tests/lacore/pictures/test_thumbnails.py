@@ -9,10 +9,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
 import lacore as la
-from lacore import views
 from lacore.pictures.thumbnails import SIZE
+from lacore.reporting import views
 from tests.frame_problems import pressed as pressed_portal
-from tests.lacore.bodies.blocks3d.solids import box
+from tests.lacore.model.bodies.blocks3d.solids import box
 from tests.lacore.models import punch
 from tests.lacore.paths.path_billets import pressed as pressed_billet
 

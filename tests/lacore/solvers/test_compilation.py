@@ -8,7 +8,7 @@ import pytest
 import lacore as la
 import lacore_backends.auto
 import lacore_backends.interior_point
-from lacore.program import associated_contact
+from lacore.program.kinematic import associated_contact
 from lacore.solvers.compilation import SolveClock, compiling
 from lacore.solvers.solver_worker import SolverWorker
 from tests.broken_backends import COMPILE, Works, plant

@@ -18,10 +18,10 @@ import lacore as la
 import lacore.solvers.child_process
 import lacore.solvers.isolated_solver
 import lacore.solvers.served_process
-from lacore.backend import InnerSolution, checked_answer
-from lacore.errors import BackendError
-from lacore.program import associated_contact, dimensionless
-from lacore.regularization import RegularisedValues
+from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.program.regularization import RegularisedValues
+from lacore.reporting.errors import BackendError
+from lacore.solvers.backend import InnerSolution, checked_answer
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.served_process import Source

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.certificate import certify
+from lacore.program.certificate import certify
 from tests.rigid_problems import DOWN, RIGHT, box
 
 TWO = {"base": box(-3, 6, -1, 0), "big": box(-2, -1, 0, 1), "small": box(0, 1, 0, 0.5)}

@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 import lacore as la
-from tests.lacore.bodies.blocks3d.solids import box, moved, prism, triangulated
+from tests.lacore.model.bodies.blocks3d.solids import box, moved, prism, triangulated
 
 FLOOR = la.RigidObstacle((0, 0, 0), (0, 0, 1))
 # Residuals of states are 1e-9 and less: with isostatic normals, whose sums equilibrium gives, load

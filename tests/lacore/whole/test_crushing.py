@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import lacore as la
 from tests.coulomb_checker_3d import accepts, residuals
-from tests.lacore.bodies.blocks3d.solids import box, moved
+from tests.lacore.model.bodies.blocks3d.solids import box, moved
 from tests.statements_3d import stated
 
 B, H, D = 0.4, 1.0, 0.6

@@ -5,7 +5,7 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.errors import InputError, is_number, require_range
+from lacore.reporting.errors import InputError, is_number, require_range
 
 MESH = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
 RECTANGLE = la.masonry.rectangle

@@ -9,12 +9,12 @@ import pytest
 from skfem import Basis, InteriorFacetBasis, MeshTri, MeshTri2
 
 import lacore as la
-from lacore.adaptive.kept_water import Interpolated
 from lacore.assembly.water import effective_stress
+from lacore.bounds.bracket.kept_water import Interpolated
 from lacore.bounds.static_model import static_model
-from lacore.meshes.refinement import bisected
-from lacore.meshes.structured import quadrilaterals, rectangle
-from lacore.status import Status
+from lacore.model.meshes.refinement import bisected
+from lacore.model.meshes.structured import quadrilaterals, rectangle
+from lacore.reporting.status import Status
 
 SOIL, CLAY = la.MohrCoulomb(1.0, 20), la.VonMises(1.0)
 SPACES = ("p2-vertex", "p2-disc", "p1-disc", "p2-gauss", "q2")

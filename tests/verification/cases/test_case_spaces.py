@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.continuum.spaces import SPACES
+from lacore.model.bodies.continuum.spaces import SPACES
 from lacore_verification.catalogue.catalogue import catalogue
 from tests.shares import one_in
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.state import contact_force
+from lacore.program.state import contact_force
 from lacore_verification.case.band import BRACKET
 from lacore_verification.catalogue.catalogue import catalogue, find
-from lacore_verification.perform.one_run import run_here
-from lacore_verification.verdicts.allowed import Allowed, allowed_values
-from lacore_verification.verdicts.words import NO_REFERENCE, PASS
-from lacore_verification.verify import answer, ask, finish, runs_of
+from lacore_verification.harness.perform.one_run import run_here
+from lacore_verification.harness.verdicts.allowed import Allowed, allowed_values
+from lacore_verification.harness.verdicts.words import NO_REFERENCE, PASS
+from lacore_verification.harness.verify import answer, ask, finish, runs_of
 
 CASES = list(catalogue().values())
 VARIANTS = [(case, variant) for case in CASES if not case.on_demand for variant in case.variants]

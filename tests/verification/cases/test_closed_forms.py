@@ -6,9 +6,9 @@ import pytest
 import lacore as la
 from lacore_verification.case import Variant
 from lacore_verification.catalogue.catalogue import catalogue
-from lacore_verification.perform.one_run import run_here
+from lacore_verification.harness.perform.one_run import run_here
+from lacore_verification.harness.verdicts.words import PASS
 from lacore_verification.runs.run import Run
-from lacore_verification.verdicts.words import PASS
 
 BLOCK = {"W": (0.2, 5.0), "b": (0.5, 5.0), "h": (0.3, 3.0)}
 FRAME = {"Mp": (0.2, 5.0), "h": (0.5, 4.0), "L": (1.0, 8.0)}

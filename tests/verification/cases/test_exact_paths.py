@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.materials.hardening import Linear, Perfect, Swift, Table, Voce
+from lacore.model.materials.hardening import Linear, Perfect, Swift, Table, Voce
 from lacore_verification.cases.shared import exact_paths as exact
 from lacore_verification.cases.shared.exact_paths import cylinder, sphere
 

@@ -8,25 +8,25 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.arrays import Floats
-from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.model.materials.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.numerics.arrays import Floats
 from lacore.paths.ending import Ending
-from lacore_verification.analysis.stepping import step_orders
-from lacore_verification.campaigns.comparison import plan
-from lacore_verification.campaigns.sweep import plan as sweep
 from lacore_verification.case import Band, Reference
 from lacore_verification.case.following import Following
 from lacore_verification.cases.shared.exact_paths import cylinder, peak, pressure
 from lacore_verification.catalogue.catalogue import find
 from lacore_verification.catalogue.checks import check
-from lacore_verification.perform.one_run import run_here
+from lacore_verification.harness.analysis.stepping import step_orders
+from lacore_verification.harness.campaigns.comparison import plan
+from lacore_verification.harness.campaigns.sweep import plan as sweep
+from lacore_verification.harness.perform.one_run import run_here
+from lacore_verification.harness.verdicts.path import judge_path
+from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 from lacore_verification.report.blocks import Gallery
 from lacore_verification.report.page import compared, results_frame
 from lacore_verification.report.path import path_chart
 from lacore_verification.report.studies.convergence import steps_section
 from lacore_verification.runs.row import Row
-from lacore_verification.verdicts.path import judge_path
-from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 from tests.shares import one_in
 
 LAWS = {

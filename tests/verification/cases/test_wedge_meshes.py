@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import lacore as la
-from lacore.meshes.curved import jacobians
+from lacore.model.meshes.curved import jacobians
 from lacore.paths.ending import Ending
 from lacore_verification.cases import wedge_notch
 from lacore_verification.cases.shared.wedge_fans import Fan, _contact_end

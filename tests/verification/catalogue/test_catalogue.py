@@ -12,12 +12,12 @@ from click.testing import CliRunner
 
 import lacore as la
 import lacore_verification.catalogue.plugins as plugins
-from lacore_verification.campaigns.comparison import plan
 from lacore_verification.case import KINDS
 from lacore_verification.catalogue.catalogue import Catalogue, catalogue, find, tagged
 from lacore_verification.catalogue.checks import check
 from lacore_verification.catalogue.plugins import gather
 from lacore_verification.commands.cli import main
+from lacore_verification.harness.campaigns.comparison import plan
 from tests.conftest import ROOT
 from tests.processes import SOURCES
 

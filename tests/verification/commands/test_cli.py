@@ -7,13 +7,13 @@ import pytest
 
 import lacore as la
 from lacore_verification import conformance
-from lacore_verification.campaigns.comparison import plan
 from lacore_verification.catalogue.catalogue import catalogue
 from lacore_verification.commands import doctor
 from lacore_verification.commands.options import strict
+from lacore_verification.harness.campaigns.comparison import plan
 from lacore_verification.runs.run import Run
 from tests.verification.command_line import lacore as run
-from tests.verification.perform.test_harness import VARIANT, wrong_case
+from tests.verification.harness.perform.test_harness import VARIANT, wrong_case
 
 # A case of each kind: runs and pictures take time, and that every case runs is tested with cases.
 SHOWN = [catalogue()[name] for name in ("deformable-block", "prandtl-punch", "wall-1")]
@@ -116,7 +116,7 @@ def wrong(tmp_path_factory):
     runs = [Run(case, VARIANT, "coarse", "clarabel")]
     out = tmp_path_factory.mktemp("wrong")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lacore_verification.campaigns.overview.everything", lambda *_: runs)
+        patch.setattr("lacore_verification.harness.campaigns.overview.everything", lambda *_: runs)
         return run("compare", "--all", "--out", out), out
 
 

@@ -5,7 +5,7 @@ import time
 import pytest
 
 import lacore as la
-from lacore.backend import load_backend
+from lacore.solvers.backend import load_backend
 from lacore_backends.clarabel_socp import Clarabel
 from lacore_verification.commands import doctor
 

@@ -9,8 +9,8 @@ import pytest
 
 import lacore as la
 from lacore_verification.catalogue.catalogue import find
-from lacore_verification.store.results import load_outcomes
-from lacore_verification.store.store import NAME, Store
+from lacore_verification.harness.store.results import load_outcomes
+from lacore_verification.harness.store.store import NAME, Store
 from tests.verification.command_line import lacore
 
 RUN = ("wall-1:mu-0.65", "--backends", "clarabel,highs")

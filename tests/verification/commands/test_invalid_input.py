@@ -5,7 +5,7 @@ import json
 import pytest
 
 from lacore_verification.commands import cli
-from lacore_verification.problems import starters
+from lacore_verification.report.problems import starters
 from tests.verification.command_line import lacore
 
 COMMANDS = list(cli.main.commands)

@@ -47,4 +47,4 @@ def test_lists_load_no_problem(name):
     """Neither do they load what solves or draws it."""
     files = loaded(name)
     assert "verification/lacore_verification/commands/cli.py" in files
-    assert not [file for file in files if file.startswith(("lacore/problem", "lacore/bodies"))]
+    assert not [file for file in files if file.startswith("lacore/model/")]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import load_backend
-from lacore.certificate import certify
-from lacore.state import ProgramState, contact_force, internal_force
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.state import ProgramState, contact_force, internal_force
+from lacore.reporting.status import Status
+from lacore.solvers.backend import load_backend
 from lacore_backends._cvxpy_solvers import SOLVERS
 from lacore_verification import conformance
 from lacore_verification.commands import doctor

@@ -1,7 +1,7 @@
 """The check of derivatives beside solves sees a kink that is reported as smooth."""
 
 import lacore as la
-from lacore.questions.parameters import parameters_of
+from lacore.analyses.parameters import parameters_of
 from lacore_verification.fuzz.checks import derivatives
 
 

@@ -8,8 +8,6 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-from lacore_verification.campaigns import fuzzing
-from lacore_verification.campaigns.shrinking import candidates, shrunk
 from lacore_verification.commands.cli import main
 from lacore_verification.fuzz.drawn.cases import (
     CLASSES,
@@ -23,9 +21,11 @@ from lacore_verification.fuzz.drawn.cases import (
 from lacore_verification.fuzz.drawn.copies import COPIES, with_law
 from lacore_verification.fuzz.drawn.recipe import as_text, build
 from lacore_verification.fuzz.examine import examine
+from lacore_verification.harness.campaigns import fuzzing
+from lacore_verification.harness.campaigns.shrinking import candidates, shrunk
+from lacore_verification.harness.verdicts.words import FAIL, PASS
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.row import Row
-from lacore_verification.verdicts.words import FAIL, PASS
 from tests.shares import one_in
 from tests.verification.command_line import lacore
 

@@ -8,7 +8,6 @@ import pytest
 
 import lacore as la
 from lacore.paths.stage import staged
-from lacore_verification.campaigns.shrinking import candidates
 from lacore_verification.fuzz.checks.path_copies import moved_back, same_load
 from lacore_verification.fuzz.checks.path_facts import check_facts, exact_force
 from lacore_verification.fuzz.checks.verdict import first
@@ -17,6 +16,7 @@ from lacore_verification.fuzz.drawn.copies import COPIES, copied
 from lacore_verification.fuzz.drawn.paths import follow
 from lacore_verification.fuzz.drawn.recipe import build
 from lacore_verification.fuzz.examine import examine
+from lacore_verification.harness.campaigns.shrinking import candidates
 
 PAIRS, TOOLS = "pairs-on-paths", "tools-on-paths"
 KINDS = [PAIRS, TOOLS]

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from lacore.backend import InnerSolution, find_backend
-from lacore.certificate import certify
-from lacore.inner.left_over import could_turn_over
-from lacore.program import require_finite
-from lacore.status import Status
+from lacore.program.certificate import certify
+from lacore.program.kinematic import require_finite
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution, find_backend
+from lacore.solvers.inner.left_over import could_turn_over
 from lacore_verification.commands.cli import main
 from lacore_verification.fuzz.programs.drawn import DRAWN, draw_program
 from lacore_verification.fuzz.programs.judge import (

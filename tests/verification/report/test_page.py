@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from lacore import InputError
 from lacore.pictures.axis import power
-from lacore_verification.analysis.slope_fits import Slope
+from lacore_verification.harness.analysis.slope_fits import Slope
 from lacore_verification.report import document, files
 from lacore_verification.report.blocks import (
     Details,

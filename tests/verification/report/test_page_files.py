@@ -9,6 +9,7 @@ import pytest
 from markdown_it import MarkdownIt  # comes with rich
 from matplotlib.figure import Figure
 
+from lacore_verification.harness.store.manifest import MANIFEST
 from lacore_verification.report import files
 from lacore_verification.report.blocks import (
     Document,
@@ -22,7 +23,6 @@ from lacore_verification.report.blocks import (
 from lacore_verification.report.charts.figures import png
 from lacore_verification.report.columns import Column
 from lacore_verification.report.files import case_files, markdown, pictures
-from lacore_verification.store.manifest import MANIFEST
 from tests.verification.report.test_page import HOSTILE, TABLE, fitted
 
 

@@ -9,16 +9,16 @@ from math import isnan
 import pandas as pd
 import pytest
 
-from lacore_verification.campaigns import compared_programs, comparison
-from lacore_verification.campaigns.compared_programs import (
+from lacore_verification.catalogue.catalogue import catalogue
+from lacore_verification.harness.campaigns import compared_programs, comparison
+from lacore_verification.harness.campaigns.compared_programs import (
     copy_programs,
     program_files,
     sources_of,
     write_programs,
 )
-from lacore_verification.catalogue.catalogue import catalogue
-from lacore_verification.perform.one_run import run_here
-from lacore_verification.store.results import load_outcomes
+from lacore_verification.harness.perform.one_run import run_here
+from lacore_verification.harness.store.results import load_outcomes
 from tests.program_files import solve_file
 from tests.verification.command_line import lacore
 
@@ -54,7 +54,7 @@ def requested(monkeypatch):
 
 @pytest.fixture(autouse=True)
 def one_process(monkeypatch):
-    monkeypatch.setattr("lacore_verification.perform.pool.TOGETHER", 1000)
+    monkeypatch.setattr("lacore_verification.harness.perform.pool.TOGETHER", 1000)
 
 
 def index_of(folder):

@@ -7,12 +7,12 @@ from importlib import util
 import pandas as pd
 import pytest
 
-from lacore_verification.campaigns.run_all import run_all
+from lacore_verification.harness.campaigns.run_all import run_all
+from lacore_verification.harness.store.provenance import describe
+from lacore_verification.harness.store.results import load_results
+from lacore_verification.harness.store.store import NAME, sessions
 from lacore_verification.report.blocks import Picture
 from lacore_verification.report.files import file_names, write
-from lacore_verification.store.provenance import describe
-from lacore_verification.store.results import load_results
-from lacore_verification.store.store import NAME, sessions
 from tests.conftest import ROOT
 from tests.verification.command_line import run_in_order
 

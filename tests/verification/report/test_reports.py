@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from lacore_verification.campaigns import sweep
-from lacore_verification.campaigns.comparison import plan
-from lacore_verification.campaigns.run_all import run_all
-from lacore_verification.store.store import NAME
+from lacore_verification.harness.campaigns import sweep
+from lacore_verification.harness.campaigns.comparison import plan
+from lacore_verification.harness.campaigns.run_all import run_all
+from lacore_verification.harness.store.store import NAME
 from tests.verification.command_line import lacore as run
 from tests.verification.command_line import run_in_order
 

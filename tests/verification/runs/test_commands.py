@@ -5,10 +5,10 @@ import shlex
 import click
 import pytest
 
-from lacore_verification.campaigns import comparison, overview, sweep
-from lacore_verification.campaigns.backend_options import with_options
 from lacore_verification.catalogue.catalogue import catalogue
 from lacore_verification.commands import cli
+from lacore_verification.harness.campaigns import comparison, overview, sweep
+from lacore_verification.harness.campaigns.backend_options import with_options
 from lacore_verification.runs.commands import commands_of
 
 

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import lacore as la
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
 from lacore_verification.case.band import Band, Bracketing, Order
 from lacore_verification.case.following import Following
 from lacore_verification.case.reference import UNKNOWN, Reference

@@ -8,8 +8,8 @@ from math import inf
 from typing import TYPE_CHECKING
 
 import lacore as la
-from lacore.errors import require_count, require_known, require_positive
 from lacore.paths.ending import Ending
+from lacore.reporting.errors import require_count, require_known, require_positive
 
 if TYPE_CHECKING:
     from lacore.paths.control import Control

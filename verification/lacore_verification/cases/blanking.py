@@ -22,7 +22,7 @@ import numpy as np
 from skfem import MeshQuad
 
 import lacore as la
-from lacore.arrays import Ints
+from lacore.numerics.arrays import Ints
 from lacore_verification.case import SOLVER, Band, Case, Reference, Variant
 from lacore_verification.case.following import Following, Reading
 from lacore_verification.cases.shared.hardening_laws import LAWS

@@ -21,7 +21,7 @@ singular points; where strengths jump, so do the stresses along the bond.
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Reference, Variant
 from lacore_verification.case.band import Bracketing
 

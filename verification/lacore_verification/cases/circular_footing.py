@@ -22,7 +22,7 @@ in shear. The edge of the footing is a singular point, towards which the mesh is
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Reference, Variant
 
 RADIUS, WIDTH, DEPTH = 1.0, 3.0, 1.5

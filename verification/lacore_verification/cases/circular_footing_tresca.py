@@ -25,7 +25,7 @@ strain rates are taken at interior points. The edge of the footing is a singular
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Reference, Variant
 
 _PUBLISHED = {(0.0, False): 5.689, (0.0, True): 6.048, (20.0, False): 20.1}

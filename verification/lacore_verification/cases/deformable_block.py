@@ -36,7 +36,7 @@ from functools import partial
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Reference, Variant, exact_patch
 from lacore_verification.cases.shared.shear_zones import least_friction
 

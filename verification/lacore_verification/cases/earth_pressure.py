@@ -30,8 +30,8 @@ from math import asin, cos, exp, pi, radians, sin, sqrt, tan
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
-from lacore.conditions.loads import Load
+from lacore.model.conditions.loads import Load
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 WIDTH, DEPTH, THICKNESS = 3.6, 1.5, 0.5

@@ -24,7 +24,7 @@ the lower ones appear.
 from math import atan, cos, degrees, exp, pi, radians, sin, tan
 
 import lacore as la
-from lacore.bodies.any_body import of_kind
+from lacore.model.bodies.any_body import of_kind
 from lacore_verification.case import Band, Beside, Case, First, Reference, Variant
 from lacore_verification.cases import strip_footing
 from lacore_verification.cases.shared.friction_inside import UNFIT

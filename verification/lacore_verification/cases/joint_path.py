@@ -28,7 +28,7 @@ from math import atan, degrees, log, radians, sqrt, tan
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.case import SOLVER, Band, Case, Reference, Variant
 from lacore_verification.case.following import Following, last_load
 from lacore_verification.cases.shared.exact_paths import strip_force

@@ -19,7 +19,7 @@ edge of the footing is a singular point, and the stress jumps along both rough p
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Reference, Variant
 
 WIDTH = 2.0  # of the footing

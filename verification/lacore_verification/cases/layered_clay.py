@@ -28,7 +28,7 @@ whose edges follow their interface; each element has the strength of its own.
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 _BRACKETS = {2.0: (5.274, 0.009), 0.5: (3.695, 0.007)}

@@ -27,7 +27,7 @@ from math import hypot, sqrt
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import (
     Band,
     Case,

@@ -28,7 +28,7 @@ from math import log
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from lacore_verification.case.band import Bracketing
 

@@ -26,7 +26,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 
 import lacore as la
-from lacore.meshes.structured import graded
+from lacore.model.meshes.structured import graded
 from lacore_verification.case import Band, Case, Convergence, Reference, Variant
 from lacore_verification.case.band import Bracketing
 

@@ -19,7 +19,7 @@ planes of symmetry. No closed form is known: the reference is an interval of two
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Reference, Variant
 from lacore_verification.cases.shared.tetrahedra import CLAY, DEPTH, WIDTH, bounded
 

@@ -28,7 +28,7 @@ import numpy as np
 from skfem import MeshTri
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.case import Band, Case, Reference, Variant
 from lacore_verification.case.following import Following, Reading
 

@@ -25,7 +25,7 @@ dissipates is integrated exactly over the interpolant of strain rates.
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 _LOADS = {

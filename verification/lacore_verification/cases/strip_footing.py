@@ -28,8 +28,8 @@ from math import cos, exp, pi, radians, tan
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
-from lacore.conditions.loads import Load
+from lacore.model.conditions.loads import Load
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from lacore_verification.case.band import Bracketing
 

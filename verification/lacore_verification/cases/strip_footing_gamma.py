@@ -30,7 +30,7 @@ more in units of local speeds.
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 _EXACT = {

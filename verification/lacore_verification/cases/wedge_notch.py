@@ -28,7 +28,7 @@ from math import cos, nan, radians, sin
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore.paths.ending import Ending
 from lacore_verification.case import SOLVER, Band, Case, Reference, Variant
 from lacore_verification.case.following import Following, Reading, last_load

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 
-from lacore.errors import InputError, require_known, suggest
+from lacore.reporting.errors import InputError, require_known, suggest
 from lacore_verification import cases
 from lacore_verification.case import KINDS, Case, Variant
 

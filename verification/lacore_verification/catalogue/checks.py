@@ -9,7 +9,7 @@ from numbers import Real
 from typing import Any
 
 import lacore as la
-from lacore.errors import (
+from lacore.reporting.errors import (
     InputError,
     is_number,
     require_count,

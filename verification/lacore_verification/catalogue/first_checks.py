@@ -1,6 +1,6 @@
 """Checks of what a case states about its runs in the first comparison."""
 
-from lacore.errors import InputError, is_number, suggest
+from lacore.reporting.errors import InputError, is_number, suggest
 from lacore_verification.case import Case, First
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 from lacore_verification.case import Case
 from lacore_verification.case.case import described
 from lacore_verification.catalogue.catalogue import Catalogue, catalogue

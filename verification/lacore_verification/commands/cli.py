@@ -177,8 +177,8 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     Missing packages are listed with the command that installs them. Exit code: 0 if everything
     that lacore needs works, 1 otherwise.
     """
-    from lacore_verification import progress
     from lacore_verification.commands import doctor, screen, tables
+    from lacore_verification.harness import progress
 
     entries = sum(1 for _ in doctor.all_backends())
     with progress.patiently("self-test", entries) as on_start:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lacore.coupling.kinds import COUPLINGS
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 from lacore_verification.case import BRACKET, RANGE
 from lacore_verification.catalogue.catalogue import Catalogue
 from lacore_verification.commands.options import (
@@ -28,10 +28,10 @@ from lacore_verification.commands.options import (
     time_limit_option,
 )
 from lacore_verification.defaults import RAW
-from lacore_verification.verdicts.words import tally
+from lacore_verification.harness.verdicts.words import tally
 
 if TYPE_CHECKING:
-    from lacore_verification.campaigns.run_all import Repeat
+    from lacore_verification.harness.campaigns.run_all import Repeat
     from lacore_verification.runs.outcome import Outcome
     from lacore_verification.runs.run import Run
 
@@ -128,13 +128,13 @@ def compare(
       lacore compare prandtl-punch --option clarabel.tolerance=1e-2,1e-4,1e-6,1e-8
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
-    from lacore_verification import progress
-    from lacore_verification.campaigns.compared_programs import sources_of, write_programs
-    from lacore_verification.campaigns.run_all import run_all
-    from lacore_verification.perform.processes import run_in_processes
+    from lacore_verification.harness import progress
+    from lacore_verification.harness.campaigns.compared_programs import sources_of, write_programs
+    from lacore_verification.harness.campaigns.run_all import run_all
+    from lacore_verification.harness.perform.processes import run_in_processes
+    from lacore_verification.harness.store.provenance import describe
+    from lacore_verification.harness.store.store import NAME
     from lacore_verification.report.reporting import GrowingReport, write_report
-    from lacore_verification.store.provenance import describe
-    from lacore_verification.store.store import NAME
 
     if cases and everything:
         raise InputError("--all", None, "a CASE is given, too", "omit one of them")
@@ -185,33 +185,33 @@ def _planned(
     known: Catalogue,
 ) -> list[Run]:
     """Plan the runs of a comparison, with those of backends that cannot be used."""
-    from lacore_verification.campaigns.comparison import with_unusable
+    from lacore_verification.harness.campaigns.comparison import with_unusable
 
     if cases or couplings:
-        from lacore_verification.campaigns.comparison import plan
+        from lacore_verification.harness.campaigns.comparison import plan
 
         runs = plan(cases, backends, meshes, couplings, known)
     else:
-        from lacore_verification.campaigns import overview
+        from lacore_verification.harness.campaigns import overview
 
         planned = overview.everything if everything else overview.overview
         runs = planned(backends, meshes, known)
     runs = with_unusable(runs, backends)
     if not options:
         return runs
-    from lacore_verification.campaigns.backend_options import with_options
+    from lacore_verification.harness.campaigns.backend_options import with_options
 
     return with_options(runs, options)
 
 
 def _document(outcomes: Sequence[Outcome], about: Mapping[str, str], page: Path) -> dict[str, Any]:
     """Return the results of a comparison as a document."""
-    from lacore_verification.analysis.effort import couplings
-    from lacore_verification.analysis.noise import noise
-    from lacore_verification.analysis.profiles import rates
-    from lacore_verification.analysis.settings import settings
-    from lacore_verification.analysis.summary import summaries
-    from lacore_verification.store.results import as_table
+    from lacore_verification.harness.analysis.effort import couplings
+    from lacore_verification.harness.analysis.noise import noise
+    from lacore_verification.harness.analysis.profiles import rates
+    from lacore_verification.harness.analysis.settings import settings
+    from lacore_verification.harness.analysis.summary import summaries
+    from lacore_verification.harness.store.results import as_table
 
     results = as_table(outcome.record() for outcome in outcomes)
     return {
@@ -231,11 +231,11 @@ def _show(
     outcomes: Sequence[Outcome], full: bool, by_coupling: bool, page: Path, out: Path, after: str
 ) -> None:
     """Print the results of a comparison: a line for each variant, or in full for each run."""
-    from lacore_verification.analysis.effort import couplings
-    from lacore_verification.analysis.profiles import rates
-    from lacore_verification.analysis.summary import summaries
     from lacore_verification.commands import screen
-    from lacore_verification.store.results import RESULTS, as_table
+    from lacore_verification.harness.analysis.effort import couplings
+    from lacore_verification.harness.analysis.profiles import rates
+    from lacore_verification.harness.analysis.summary import summaries
+    from lacore_verification.harness.store.results import RESULTS, as_table
 
     results = as_table(outcome.record() for outcome in outcomes)
     console = screen.table_console()

@@ -8,10 +8,10 @@ from typing import Any
 from threadpoolctl import threadpool_info
 
 import lacore as la
-from lacore.backend import Backend, Capabilities, Family, load_backend
+from lacore.solvers.backend import Backend, Capabilities, Family, load_backend
 from lacore.solvers.registry import rejected_backends
 from lacore_verification import conformance
-from lacore_verification.store.provenance import describe
+from lacore_verification.harness.store.provenance import describe
 
 SELF_TEST = ("friction", "plasticity on a rough plane")  # a linear program, and one with cones
 LIMIT = 10.0  # s, of one of their solves, imports included; they take milliseconds

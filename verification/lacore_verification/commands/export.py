@@ -18,7 +18,7 @@ from lacore_verification.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from lacore_verification.campaigns.instances import Instance
+    from lacore_verification.harness.campaigns.instances import Instance
 
 
 @click.command(short_help="Write the optimisation programs of cases.")
@@ -55,7 +55,7 @@ def export(
       lacore export prandtl-punch --meshes coarse,medium,fine
       lacore export wall-1 portal-sway --formats mps,cbf --out instances
     """  # noqa: D301  # click reads the backspace
-    from lacore_verification.campaigns.instances import INDEX, write_instances
+    from lacore_verification.harness.campaigns.instances import INDEX, write_instances
 
     table = write_instances(cases, meshes, formats or ["npz", "cbf"], out, known, _say)
     written = int((table["file"] != "").sum())

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
 from lacore_verification.commands.options import (
     drawn_options,
     jobs_option,
@@ -23,12 +23,16 @@ from lacore_verification.commands.options import (
     time_limit_option,
 )
 from lacore_verification.fuzz.drawn.cases import kind_of, known_kinds, runs_of
-from lacore_verification.perform.executors import dask_options, executor_of, require_one_place
-from lacore_verification.verdicts.words import FAIL
+from lacore_verification.harness.perform.executors import (
+    dask_options,
+    executor_of,
+    require_one_place,
+)
+from lacore_verification.harness.verdicts.words import FAIL
 
 if TYPE_CHECKING:
-    from lacore_verification.campaigns.fuzzing import Tally
-    from lacore_verification.campaigns.run_all import Repeat
+    from lacore_verification.harness.campaigns.fuzzing import Tally
+    from lacore_verification.harness.campaigns.run_all import Repeat
     from lacore_verification.runs.outcome import Outcome
 
 _MOST_SHOWN = 12
@@ -77,12 +81,12 @@ def fuzz(
       lacore fuzz --count 10000 --seed 2 --classes blocks,weights --jobs 4
     """  # noqa: D301  # click reads the backspace
     import lacore as la
-    from lacore_verification import progress
-    from lacore_verification.campaigns.fuzzing import keep_wrong, tallied
-    from lacore_verification.campaigns.run_all import run_all
-    from lacore_verification.store.provenance import describe
-    from lacore_verification.store.results import export, load_results
-    from lacore_verification.store.store import NAME
+    from lacore_verification.harness import progress
+    from lacore_verification.harness.campaigns.fuzzing import keep_wrong, tallied
+    from lacore_verification.harness.campaigns.run_all import run_all
+    from lacore_verification.harness.store.provenance import describe
+    from lacore_verification.harness.store.results import export, load_results
+    from lacore_verification.harness.store.store import NAME
 
     require_one_place(on_dask, scheduler)
     for name in classes:

@@ -4,7 +4,7 @@ from __future__ import annotations  # not evaluated: what they name is not loade
 
 import click
 
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
 from lacore_verification.commands.options import json_option, print_json
 
 
@@ -25,7 +25,7 @@ def new(name: str | None, schema: bool, as_json: bool) -> None:
       lacore new footing > footing.toml
       lacore new --schema > problem.schema.json
     """  # noqa: D301  # click reads the backspace
-    from lacore_verification.problems import starters
+    from lacore_verification.report.problems import starters
 
     titles = starters.titles()
     if name is not None:

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
 
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 from lacore_verification.catalogue.catalogue import Catalogue, find
 from lacore_verification.catalogue.plugins import gather
 from lacore_verification.defaults import STOPPED, TIME_LIMIT, cores
 from lacore_verification.usage import folder, positive, whole
 
 if TYPE_CHECKING:
-    from lacore_verification.campaigns.run_all import Repeat
+    from lacore_verification.harness.campaigns.run_all import Repeat
     from lacore_verification.runs.outcome import Outcome
 
 _TERMINATED = 128 + signal.SIGTERM
@@ -105,7 +105,7 @@ def repeat_options(command: _Command) -> _Command:
 
 
 def _repeat(fresh: bool, retry: str | None) -> Repeat:
-    from lacore_verification.campaigns.run_all import Repeat
+    from lacore_verification.harness.campaigns.run_all import Repeat
 
     if fresh and retry:
         raise InputError("--retry", retry, "--fresh repeats all runs anyway", "omit one of them")
@@ -116,7 +116,7 @@ def _repeat(fresh: bool, retry: str | None) -> Repeat:
 
 def show_stored_failures(stored: Sequence[Outcome]) -> None:
     """Print how many failures are among the stored runs that are used, and how to repeat them."""
-    from lacore_verification.campaigns.run_all import describe_failures
+    from lacore_verification.harness.campaigns.run_all import describe_failures
 
     if text := describe_failures(stored):
         click.echo(text, err=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
 from lacore_verification.commands.options import (
     drawn_options,
     json_option,
@@ -68,10 +68,10 @@ def programs(
       lacore programs auto clarabel --families soil,walls --seed 2
     """  # noqa: D301  # click reads the backspace
     import lacore as la
-    from lacore_verification import progress
     from lacore_verification.fuzz.programs.drawn import DRAWN
     from lacore_verification.fuzz.programs.judge import WRONG
     from lacore_verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
+    from lacore_verification.harness import progress
 
     for name in families:
         require_known("--families", name, list(DRAWN))

@@ -55,13 +55,13 @@ def report(
     nothing from the internet. The folder tables/ contains the tables as CSV and Markdown, and
     results.csv contains all runs.
     """
-    from lacore_verification.campaigns.compared_programs import copy_programs
     from lacore_verification.commands import screen
+    from lacore_verification.harness.campaigns.compared_programs import copy_programs
+    from lacore_verification.harness.store.logs import copy_logs
+    from lacore_verification.harness.store.results import load_outcomes
+    from lacore_verification.harness.store.store import file_of, sessions
+    from lacore_verification.harness.verdicts.words import tally
     from lacore_verification.report.reporting import write_report
-    from lacore_verification.store.logs import copy_logs
-    from lacore_verification.store.results import load_outcomes
-    from lacore_verification.store.store import file_of, sessions
-    from lacore_verification.verdicts.words import tally
 
     require_results("DIR", results)
     outcomes, strange = load_outcomes(results, known)
@@ -112,9 +112,9 @@ def manual(
     is the name of a case. Without CASE, all cases that have results are shown.
     """
     from lacore_verification.commands import screen
+    from lacore_verification.harness.store.results import load_outcomes
+    from lacore_verification.harness.verdicts.words import tally
     from lacore_verification.report.manual import write_manual
-    from lacore_verification.store.results import load_outcomes
-    from lacore_verification.verdicts.words import tally
 
     if not results.exists() and not _similar(results):
         raise _no_results(cases, results)
@@ -156,11 +156,11 @@ def history(ctx: click.Context, results: tuple[Path, ...], out: Path, as_json: b
       lacore history reports/0.3 reports/0.4
       lacore history old/results.csv reports/compare --out /tmp/history
     """  # noqa: D301  # click reads the backspace
-    from lacore_verification.analysis.history import history as compare_versions
     from lacore_verification.commands import screen
+    from lacore_verification.harness.analysis.history import history as compare_versions
+    from lacore_verification.harness.store.versions import load_versions
     from lacore_verification.report.files import write
     from lacore_verification.report.studies.history import history_report
-    from lacore_verification.store.versions import load_versions
 
     versions = load_versions(results)
     found = compare_versions({own.name: own.results for own in versions})
@@ -186,7 +186,7 @@ def history(ctx: click.Context, results: tuple[Path, ...], out: Path, as_json: b
 
 def _similar(results: Path) -> list[str]:
     """Return names of folders with results that a mistyped name may mean."""
-    from lacore_verification.store.store import NAME
+    from lacore_verification.harness.store.store import NAME
 
     try:
         there = [str(own) for own in results.parent.iterdir() if (own / NAME).is_file()]
@@ -202,7 +202,7 @@ def require_results(field: str, results: Path) -> None:
         field: Name of the argument or option, for the message.
         results: Its value.
     """
-    from lacore_verification.store.store import NAME, file_of
+    from lacore_verification.harness.store.store import NAME, file_of
 
     if file_of(results).is_file():
         return
@@ -218,7 +218,7 @@ def require_results(field: str, results: Path) -> None:
 
 def _no_results(names: Sequence[str], results: Path) -> la.InputError:
     """Return the error that tells which command produces the missing results."""
-    from lacore_verification.store.store import NAME
+    from lacore_verification.harness.store.store import NAME
 
     words = ["lacore", "verify", *names, *([] if results == VERIFIED else ["--out", str(results)])]
     there = results != COMPARED and (COMPARED / NAME).is_file()

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import pandas as pd
 from rich.console import Console
 
-from lacore_verification.analysis.summary import DISCRETE, Shortfall, VariantSummary
 from lacore_verification.case import SOLVER
-from lacore_verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
+from lacore_verification.harness.analysis.summary import DISCRETE, Shortfall, VariantSummary
+from lacore_verification.harness.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 if TYPE_CHECKING:
-    from lacore_verification.analysis.history import History
-    from lacore_verification.store.versions import Version
+    from lacore_verification.harness.analysis.history import History
+    from lacore_verification.harness.store.versions import Version
 
 LINES = 60
 """That an answer takes at most."""
@@ -132,7 +132,7 @@ def show_rates(console: Console, rates: pd.DataFrame) -> None:
 
     Args:
         console: To print to.
-        rates: From `lacore_verification.analysis.rates`, one row for each backend.
+        rates: From `lacore_verification.harness.analysis.rates`, one row for each backend.
     """
     counts = [
         f"{own['backend']} {own['claimed']}, {own['certified']}, {own['correct']} of {own['runs']}"

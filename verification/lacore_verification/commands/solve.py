@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 from lacore_verification.commands.options import json_option, print_json
 from lacore_verification.defaults import STOPPED
 from lacore_verification.usage import Sectioned, folder, number, positive
@@ -169,8 +169,8 @@ def solve(
     place = out or Path("reports") / file.stem
     try:  # includes the imports, which take a second
         from lacore.files.problem.reading import read
-        from lacore_verification import progress
-        from lacore_verification.problems import answers, records, words, writing
+        from lacore_verification.harness import progress
+        from lacore_verification.report.problems import answers, records, words, writing
 
         stated = read(file)
         more: dict[str, Any] = {
@@ -213,8 +213,8 @@ def _followed(
     stated: Stated, backend: str | None, place: Path, as_json: bool, more: dict[str, Any]
 ) -> int:
     """Follow the path that a file states, print it, and return the exit code."""
-    from lacore_verification import progress
-    from lacore_verification.problems import following, path_page, writing
+    from lacore_verification.harness import progress
+    from lacore_verification.report.problems import following, path_page, writing
 
     backend = following.path_backend(stated, backend, more)
     writing.require_writable(place)

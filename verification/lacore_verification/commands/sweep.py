@@ -26,13 +26,17 @@ from lacore_verification.commands.options import (
     time_limit_option,
 )
 from lacore_verification.defaults import RAW
-from lacore_verification.perform.executors import dask_options, executor_of, require_one_place
-from lacore_verification.verdicts.words import FAIL
+from lacore_verification.harness.perform.executors import (
+    dask_options,
+    executor_of,
+    require_one_place,
+)
+from lacore_verification.harness.verdicts.words import FAIL
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from lacore_verification.campaigns.run_all import Repeat
+    from lacore_verification.harness.campaigns.run_all import Repeat
     from lacore_verification.runs.outcome import Outcome
 
 PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
@@ -114,12 +118,12 @@ def sweep(
       lacore sweep hardening-cylinder:voce --vary steps=5:40:4:log --vary scheme=leapfrog,explicit
       lacore sweep wall-1 --vary damping=0.3,0.7,1 --vary anderson=0,5 --couplings reaction
     """  # noqa: D301  # click reads the backspace
-    from lacore_verification import progress
-    from lacore_verification.campaigns.run_all import run_all
-    from lacore_verification.campaigns.sweep import plan
     from lacore_verification.commands import screen, tables
-    from lacore_verification.store.results import export, load_results
-    from lacore_verification.store.store import NAME
+    from lacore_verification.harness import progress
+    from lacore_verification.harness.campaigns.run_all import run_all
+    from lacore_verification.harness.campaigns.sweep import plan
+    from lacore_verification.harness.store.results import export, load_results
+    from lacore_verification.harness.store.store import NAME
 
     runs = plan(cases, vary, backends, meshes, couplings, known)
     require_one_place(on_dask, scheduler)
@@ -165,8 +169,8 @@ def _document(
     slopes: Sequence[dict[str, Any]],
     orders: Sequence[dict[str, Any]],
 ) -> dict[str, Any]:
-    from lacore_verification.store.provenance import describe
-    from lacore_verification.store.store import NAME
+    from lacore_verification.harness.store.provenance import describe
+    from lacore_verification.harness.store.store import NAME
 
     statuses = Counter(outcome.row.status for outcome in outcomes)
     verdicts = Counter(outcome.row.verdict for outcome in outcomes)
@@ -192,8 +196,8 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     import pandas as pd
 
     # Here, because it takes most of a second that other sweeps need not wait for.
-    from lacore_verification.analysis.exact import with_exact
-    from lacore_verification.analysis.slope_fits import regularisation_slopes
+    from lacore_verification.harness.analysis.exact import with_exact
+    from lacore_verification.harness.analysis.slope_fits import regularisation_slopes
 
     joined = with_exact(_results(out, outcomes))
     found = pd.concat([regularisation_slopes(joined, name) for name in varied])
@@ -205,14 +209,14 @@ def _orders(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     if len({o.run.parameters["steps"] for o in outcomes if o.run.case.path is not None}) < 2:
         return []
     # Here, because it takes most of a second that other sweeps need not wait for.
-    from lacore_verification.analysis.stepping import step_orders
+    from lacore_verification.harness.analysis.stepping import step_orders
 
     return step_orders(_results(out, outcomes)).to_dict("records")  # type: ignore[return-value]
 
 
 def _results(out: Path, outcomes: Sequence[Outcome]) -> pd.DataFrame:
     """Those of a sweep, of all that are in its folder."""
-    from lacore_verification.store.results import load_results
+    from lacore_verification.harness.store.results import load_results
 
     keys = {outcome.run.key for outcome in outcomes}
     results = load_results(out)

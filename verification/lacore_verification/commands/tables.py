@@ -10,9 +10,9 @@ from rich.table import Table
 
 import lacore as la
 from lacore_verification.commands.screen import print_line
+from lacore_verification.harness.verdicts.words import FAIL, PASS, SKIPPED
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.row import Row
-from lacore_verification.verdicts.words import FAIL, PASS, SKIPPED
 
 if TYPE_CHECKING:
     import pandas as pd

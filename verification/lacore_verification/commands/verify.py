@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 from lacore_verification.catalogue.catalogue import Catalogue
 from lacore_verification.commands.options import (
     backends_option,
@@ -26,7 +26,7 @@ from lacore_verification.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from lacore_verification.campaigns.run_all import Repeat
+    from lacore_verification.harness.campaigns.run_all import Repeat
 
 
 @click.command(short_help="Check the results of all cases.")
@@ -98,14 +98,14 @@ def verify(
       lacore verify prandtl-punch wall-1:mu-0.65 --backends clarabel,cvxpy
       lacore verify my-case --cases my-folder
     """  # noqa: D301  # click reads the backspace
-    from lacore_verification import progress
-    from lacore_verification.campaigns.run_all import run_all
     from lacore_verification.commands import screen, verify_tables
-    from lacore_verification.perform.processes import run_in_processes
-    from lacore_verification.store.provenance import describe
-    from lacore_verification.store.results import export
-    from lacore_verification.store.store import NAME
-    from lacore_verification.verify import (
+    from lacore_verification.harness import progress
+    from lacore_verification.harness.campaigns.run_all import run_all
+    from lacore_verification.harness.perform.processes import run_in_processes
+    from lacore_verification.harness.store.provenance import describe
+    from lacore_verification.harness.store.results import export
+    from lacore_verification.harness.store.store import NAME
+    from lacore_verification.harness.verify import (
         FILE,
         answer,
         as_table,

@@ -5,11 +5,11 @@ from math import isfinite
 
 from rich.console import Console
 
-from lacore_verification.analysis.summary import Shortfall
-from lacore_verification.campaigns.comparison import is_regularised
 from lacore_verification.commands.screen import print_line, show_shortfalls
-from lacore_verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from lacore_verification.verify.finding import Finding
+from lacore_verification.harness.analysis.summary import Shortfall
+from lacore_verification.harness.campaigns.comparison import is_regularised
+from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from lacore_verification.harness.verify.finding import Finding
 
 _VALUES = ("value", "path")
 _ORDERS = ("order", "steps")

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.program import KinematicProgram
-from lacore.reduction import held_shut
-from lacore.status import Status
+from lacore.program.kinematic import KinematicProgram
+from lacore.program.reduction import held_shut
+from lacore.reporting.status import Status
 from lacore_verification.conformance.worked import (
     LENGTH,
     NORMAL,

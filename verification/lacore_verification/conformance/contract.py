@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.backend import (
+from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState
+from lacore.reporting.errors import InputError
+from lacore.reporting.status import Status
+from lacore.solvers import plain
+from lacore.solvers.backend import (
     Capabilities,
     InnerSolution,
     PreparedSolver,
@@ -18,15 +23,10 @@ from lacore.backend import (
     checked_answer,
     read_options,
 )
-from lacore.errors import InputError
-from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
-from lacore.solvers import plain
 from lacore.solvers.description import describe, read_description
 from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.plain_answers import pack_answer, read_answer
-from lacore.state import ProgramState
-from lacore.status import Status
 from lacore_verification.conformance.contact_programs import sequence
 from lacore_verification.conformance.hardening_programs import (
     closing_and_hardening,

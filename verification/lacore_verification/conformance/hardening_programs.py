@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, reaction_contact
-from lacore.regularization import Penalties
+from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, reaction_contact
+from lacore.program.regularization import Penalties
 from lacore_verification.conformance.worked import (
     LENGTH,
     NORMAL,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lacore.status import Status
+from lacore.reporting.status import Status
 from lacore_verification.conformance.worked import (
     UPWARD,
     Worked,

@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.backend import Backend, InnerSolution, checked_answer
-from lacore.certificate import certify
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import Penalties, RegularisedValues, evaluate, penalties
-from lacore.state import ProgramState
-from lacore.status import Status
+from lacore.numerics.arrays import Floats
+from lacore.program.certificate import certify
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.regularization import Penalties, RegularisedValues, evaluate, penalties
+from lacore.program.state import ProgramState
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Backend, InnerSolution, checked_answer
 from lacore_verification.conformance.worked import Worked
 
 PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"

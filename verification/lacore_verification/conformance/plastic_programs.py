@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.program import KinematicProgram
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import KinematicProgram
 from lacore_verification.conformance.worked import Worked, cones, frozen, nowhere, program
 
 

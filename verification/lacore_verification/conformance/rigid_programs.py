@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
-from lacore.status import Status
+from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.reporting.status import Status
 from lacore_verification.conformance.worked import (
     W,
     Worked,

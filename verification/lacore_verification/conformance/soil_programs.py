@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_matrix
 
-from lacore.program import DissipationGroup
-from lacore.surfaces import Surfaces
+from lacore.program.kinematic import DissipationGroup
+from lacore.program.surfaces import Surfaces
 from lacore_verification.conformance.worked import Worked, cones, frozen, nowhere, program
 
 _SINE = 0.6

@@ -8,12 +8,12 @@ from typing import Any
 import pandas as pd
 
 import lacore as la
-from lacore.backend import Backend
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
+from lacore.solvers.backend import Backend
 from lacore.solvers.isolation import IsolatedBackend
-from lacore_verification import progress
 from lacore_verification.conformance.contract import EXERCISES, Bench, examine
 from lacore_verification.conformance.judge import FAIL, PASS, SKIPPED, Finding, Subject
+from lacore_verification.harness import progress
 
 COLUMNS = [field.name for field in fields(Finding)]
 

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
-from lacore.regularization import Penalties
-from lacore.status import Status
+from lacore.numerics.arrays import Floats
+from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program.regularization import Penalties
+from lacore.reporting.status import Status
 
 W, LENGTH = 5.0, 2.0
 NORMAL, UPWARD = (-0.6, 0.8), (0.8, 0.6)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import lacore as la
-from lacore.errors import LacoreError
+from lacore.reporting.errors import LacoreError
 from lacore_verification.fuzz.checks.state_checks import NO_SCALE, Scale, check_state, scale_of
 from lacore_verification.fuzz.checks.verdict import Wrong, first
 from lacore_verification.fuzz.drawn.recipe import Recipe, build

@@ -1,1 +1,1 @@
-"""Reports: an index, a page a case and a study, and the pictures that they share."""
+"""Reports: an index, one page for each case, study and problem file, and their pictures."""

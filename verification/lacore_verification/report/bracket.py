@@ -6,8 +6,8 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 
-from lacore_verification.analysis.slope_fits import fit_slope
 from lacore_verification.case.band import BRACKET
+from lacore_verification.harness.analysis.slope_fits import fit_slope
 from lacore_verification.report.blocks import Drawing, Table
 from lacore_verification.report.charts.axes import ELEMENTS, Axis, fitted
 from lacore_verification.report.columns import Column

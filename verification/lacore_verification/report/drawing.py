@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 from lacore_verification.case import Case, is_of_lacore
 from lacore_verification.case.band import BRACKET
 from lacore_verification.case.case import described
-from lacore_verification.perform.pool import answers, processes
+from lacore_verification.harness.perform.pool import answers, processes
+from lacore_verification.harness.verdicts.words import FAIL
 from lacore_verification.report.blocks import Picture, Text
 from lacore_verification.report.charts.figures import finest_exact, png
 from lacore_verification.report.columns import slug
 from lacore_verification.runs.outcome import Outcome
-from lacore_verification.verdicts.words import FAIL
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

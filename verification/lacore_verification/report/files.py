@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, count
 from pathlib import Path, PurePosixPath
 
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
+from lacore_verification.harness.store.manifest import replace_files
+from lacore_verification.harness.store.spreadsheets import as_text
 from lacore_verification.report.blocks import (
     Block,
     Cards,
@@ -21,8 +23,6 @@ from lacore_verification.report.blocks import (
     Table,
 )
 from lacore_verification.report.document import Place, render
-from lacore_verification.store.manifest import replace_files
-from lacore_verification.store.spreadsheets import as_text
 
 INDEX = "index.html"
 """The page that is opened first."""

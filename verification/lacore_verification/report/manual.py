@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from lacore_verification import progress
 from lacore_verification.case import KINDS, Case, Variant
+from lacore_verification.harness import progress
+from lacore_verification.harness.store.store import file_of, sessions
+from lacore_verification.harness.verdicts.words import tally
+from lacore_verification.harness.verify import load_checks
 from lacore_verification.report.blocks import (
     Block,
     Document,
@@ -39,9 +42,6 @@ from lacore_verification.report.page import explained, results_frame, results_of
 from lacore_verification.report.reporting import pictures_of
 from lacore_verification.report.tables import VERDICTS
 from lacore_verification.runs.outcome import Outcome
-from lacore_verification.store.store import file_of, sessions
-from lacore_verification.verdicts.words import tally
-from lacore_verification.verify import load_checks
 
 _NO_KIND = "others"
 _UP = Page("All cases", INDEX)

@@ -5,13 +5,13 @@ from math import isfinite
 
 import pandas as pd
 
-from lacore_verification.analysis.noise import LEAST, Noise, noise, rankings
-from lacore_verification.analysis.settings import settings
+from lacore_verification.harness.analysis.noise import LEAST, Noise, noise, rankings
+from lacore_verification.harness.analysis.settings import settings
+from lacore_verification.harness.verdicts.limit_state import FINDS_NONE
+from lacore_verification.harness.verdicts.words import SKIPPED
 from lacore_verification.report.blocks import Block, Details, Section, Table, Text
 from lacore_verification.report.columns import Column
 from lacore_verification.runs.run import Run
-from lacore_verification.verdicts.limit_state import FINDS_NONE
-from lacore_verification.verdicts.words import SKIPPED
 
 
 def settings_section(runs: Iterable[Run]) -> Section:

@@ -6,16 +6,16 @@ from typing import Any
 
 import pandas as pd
 
-from lacore_verification.analysis.summary import VariantSummary, summaries
 from lacore_verification.case import Case
 from lacore_verification.case.band import BRACKET
+from lacore_verification.harness.analysis.summary import VariantSummary, summaries
+from lacore_verification.harness.verdicts.words import FAIL, PASS
 from lacore_verification.report.blocks import Card, Cards, Filters, Page, Picture, Table
 from lacore_verification.report.columns import Column
 from lacore_verification.report.description import lead
 from lacore_verification.report.drawing import Drawn, Subject, thumbnail_of
 from lacore_verification.report.tables import CERTIFICATE, VERDICTS
 from lacore_verification.runs.outcome import Outcome
-from lacore_verification.verdicts.words import FAIL, PASS
 
 _COLUMNS = (
     Column("variant"),

@@ -7,10 +7,22 @@ from math import isfinite
 
 import pandas as pd
 
-from lacore_verification.analysis.settings import settings
 from lacore_verification.case import EXACT, SOLVER, Case
 from lacore_verification.case.band import BRACKET
 from lacore_verification.case.case import RANGE
+from lacore_verification.harness.analysis.settings import settings
+from lacore_verification.harness.store.provenance import PROVENANCE
+from lacore_verification.harness.store.results import RESULTS, as_table
+from lacore_verification.harness.store.spreadsheets import quoted
+from lacore_verification.harness.verdicts.limit_state import STRONG
+from lacore_verification.harness.verdicts.words import (
+    BOUND_ONLY,
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    tally,
+)
+from lacore_verification.harness.verdicts.words import Tally as Verdicts
 from lacore_verification.report import document
 from lacore_verification.report.blocks import (
     Block,
@@ -59,12 +71,6 @@ from lacore_verification.report.tables import (
 )
 from lacore_verification.runs.commands import INSTANCES, commands_of
 from lacore_verification.runs.outcome import Outcome
-from lacore_verification.store.provenance import PROVENANCE
-from lacore_verification.store.results import RESULTS, as_table
-from lacore_verification.store.spreadsheets import quoted
-from lacore_verification.verdicts.limit_state import STRONG
-from lacore_verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT, tally
-from lacore_verification.verdicts.words import Tally as Verdicts
 
 SETTINGS = "settings.csv"
 """Table of the options of all backends, in the folder of a report."""

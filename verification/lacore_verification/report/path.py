@@ -8,6 +8,7 @@ import pandas as pd
 
 from lacore.paths.control import unit_of
 from lacore_verification.case import Case
+from lacore_verification.harness.verdicts.path import exact_loads
 from lacore_verification.report.blocks import Drawing, Table
 from lacore_verification.report.charts.axes import figure_axes, labelled, legend
 from lacore_verification.report.charts.svg import Chart, Tip
@@ -15,7 +16,6 @@ from lacore_verification.report.charts.theme import INK, MARKERS, SERIES, styled
 from lacore_verification.report.columns import Column
 from lacore_verification.report.tables import RUN, VERDICTS
 from lacore_verification.runs.outcome import Outcome
-from lacore_verification.verdicts.path import exact_loads
 
 _POINTS = 101  # of an exact curve
 

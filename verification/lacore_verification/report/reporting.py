@@ -5,15 +5,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from lacore_verification import progress
-from lacore_verification.campaigns.compared_programs import program_files
 from lacore_verification.defaults import cores
+from lacore_verification.harness import progress
+from lacore_verification.harness.campaigns.compared_programs import program_files
+from lacore_verification.harness.store.provenance import describe
 from lacore_verification.report import page
 from lacore_verification.report.drawing import Drawn, Subject, drawing, most_for
 from lacore_verification.report.files import write
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.run import Run
-from lacore_verification.store.provenance import describe
 
 FIRST = 10.0
 """Seconds after which a comparison writes its first pages, if it has not ended before."""

@@ -5,15 +5,15 @@ from matplotlib.figure import Figure
 from skfem import MeshTet, MeshTri
 
 import lacore as la
-from lacore import views
-from lacore.adaptive.bracket import BODY, POLYGON, heading
+from lacore.bounds.bracket.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
 from lacore.pictures.thumbnails import thumbnail_of_shape, thumbnail_of_shares
-from lacore.status import Rigor
+from lacore.reporting import views
+from lacore.reporting.status import Rigor
 from lacore_verification.case import Case, Variant
-from lacore_verification.evidence.bracket import Shares, unpacked_shares
-from lacore_verification.evidence.limit_state import restored
-from lacore_verification.evidence.path import last_shape
+from lacore_verification.harness.evidence.bracket import Shares, unpacked_shares
+from lacore_verification.harness.evidence.limit_state import restored
+from lacore_verification.harness.evidence.path import last_shape
 from lacore_verification.report.charts.theme import freeze
 from lacore_verification.report.drawing import Figures
 from lacore_verification.runs.outcome import Outcome

@@ -7,8 +7,8 @@ from typing import Any
 import pandas as pd
 
 import lacore as la
-from lacore_verification.analysis.effort import couplings
 from lacore_verification.case import RANGE, Case, Variant
+from lacore_verification.harness.analysis.effort import couplings
 from lacore_verification.report.blocks import Block, Table, Text
 from lacore_verification.report.columns import Anchor, Column
 from lacore_verification.runs.commands import INSTANCES

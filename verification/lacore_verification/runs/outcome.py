@@ -15,8 +15,8 @@ class Evidence:
     Attributes:
         residuals: of the certificate, by name; empty without one.
         history: one record an inner solve, as in `la.LimitState.history`.
-        arrays: velocity, stresses and reactions, see `lacore_verification.evidence.limit_state`;
-            empty without any.
+        arrays: velocity, stresses and reactions, see
+            `lacore_verification.harness.evidence.limit_state`; empty without any.
     """
 
     residuals: Mapping[str, float]

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, fields
 from math import nan
 from typing import Any
 
-from lacore.status import Rigor
+from lacore.reporting.status import Rigor
 
 STRICT = f"{Rigor.LOWER.label}, {Rigor.UPPER.label}"
 """Rigour of brackets of the continuum, whose bounds are both strict."""

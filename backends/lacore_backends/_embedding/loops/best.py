@@ -7,7 +7,7 @@ from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore_backends._embedding.cones import Compliances, Eliminated, Inverses, Scaling
 from lacore_backends._embedding.loops import plain
 from lacore_backends._embedding.loops.plain import Indices

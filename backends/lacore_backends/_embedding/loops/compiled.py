@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore_backends._embedding.cones import Compliances, Eliminated, Inverses, Scaling
 from lacore_backends._embedding.loops import (
     compliances,

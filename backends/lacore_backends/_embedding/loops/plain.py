@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore_backends._embedding.cones import (
     Compliance,
     Compliances,

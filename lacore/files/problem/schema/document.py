@@ -6,7 +6,6 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
-from lacore.errors import InputError, suggest
 from lacore.files.problem.calls import Call, Key, MisfitError, Own, Program, Spread, owned
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.bodies import Body
@@ -16,6 +15,7 @@ from lacore.files.problem.schema.path import PathOf
 from lacore.files.problem.schema.places import DRAWING
 from lacore.files.problem.schema.tools import Tool
 from lacore.files.problem.schema.values import Number, refused
+from lacore.reporting.errors import InputError, suggest
 
 _OF_BLOCKS = ("block", "blocks", "wall", "stack", "arch")
 

@@ -4,10 +4,10 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from lacore.errors import suggest
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.values import refused
+from lacore.reporting.errors import suggest
 
 
 class Entry(BaseModel):

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from lacore.errors import is_number
 from lacore.files.problem.units import DEGREES, Amount, WrongUnitError, amount
+from lacore.reporting.errors import is_number
 
 FORCES = "forces"
 """Of the context of a validation: the unit of forces on each body that is no plane one."""

@@ -10,7 +10,7 @@ import pytest
 import lacore as la
 from lacore.files.problem.reading import read
 from lacore.files.problem.script import script
-from tests.lacore.bodies.drawings import compas, drawn, dxf, geojson
+from tests.lacore.model.bodies.drawings import compas, drawn, dxf, geojson
 
 WALL = la.masonry.running_bond(la.masonry.regular_bond(2, 3), 0.65)
 FACADE_OF_GUIDE = Path(__file__).with_name("facade.toml")

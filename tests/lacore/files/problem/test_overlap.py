@@ -4,8 +4,8 @@ import pytest
 import shapely
 
 import lacore as la
-from lacore.bodies.blocks.overlap import depth_of, overlap_told
 from lacore.files.problem.apart import require_apart
+from lacore.model.bodies.blocks.overlap import depth_of, overlap_told
 
 GROUND = """\
 [bodies.soil]

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import lacore as la
-from lacore_verification.problems import starters
+from lacore_verification.report.problems import starters
 
 PYTHON = re.compile(r"\b(la|lacore)\.|\w\(|SMOOTH|STICK|BOND|True|False|\bNone\b|numpy|array\(")
 

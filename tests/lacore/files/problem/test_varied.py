@@ -2,9 +2,9 @@
 
 import pytest
 
-from lacore.errors import InputError
 from lacore.files.problem.source import Source
-from tests.verification.problems.test_varying import BEAM
+from lacore.reporting.errors import InputError
+from tests.verification.report.problems.test_varying import BEAM
 
 
 @pytest.mark.parametrize("ends", ["-9 kN:-1 kN/m", "-9 kN/m:-1 kN"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.errors import InputError
+from lacore.reporting.errors import InputError
 from tests.lacore.files.problem import footing
 from tests.lacore.shown import portal, wall
 

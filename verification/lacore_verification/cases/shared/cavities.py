@@ -5,7 +5,7 @@ from math import log, pi, radians, sin, tan
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.case import SOLVER, Band, Convergence, Reference
 
 INNER, OUTER, C = 1.0, 2.0, 1.0

@@ -11,9 +11,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import spence
 
-from lacore.arrays import Floats
-from lacore.errors import InputError, require_positive
-from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.model.materials.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError, require_positive
 
 _WHOLE = 1e-12  # of an exponent: a hundredth of the accuracy asked of a closed form
 _GROWTH = np.geomspace(1e-6, 1e3, 2000)  # of the bore, where a peak is looked for

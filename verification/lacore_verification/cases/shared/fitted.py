@@ -9,8 +9,8 @@ import numpy as np
 from skfem import MeshTri
 
 import lacore as la
-from lacore.arrays import Bools, Floats
-from lacore.materials.criterion import Criterion
+from lacore.model.materials.criterion import Criterion
+from lacore.numerics.arrays import Bools, Floats
 
 _AROUND = 1.25  # size of the mesh around the edge of the footing, per that of the mechanism
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import sqrt
 
-from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.model.materials.hardening import HardeningLaw, Linear, Perfect, Voce
 
 LAWS: Mapping[str, HardeningLaw] = {
     "perfect": Perfect(1.0),

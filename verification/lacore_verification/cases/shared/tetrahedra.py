@@ -6,9 +6,9 @@ import numpy as np
 from skfem import MeshTet, MeshTri
 
 import lacore as la
-from lacore.arrays import Bools, Floats
-from lacore.materials.criterion import Criterion
-from lacore.meshes.polygonal import labelled
+from lacore.model.materials.criterion import Criterion
+from lacore.model.meshes.polygonal import labelled
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.case import Reference
 
 CLAY = la.VonMises(shear_strength=1.0)
@@ -21,7 +21,7 @@ def on_diagonal(x: Floats) -> Bools:
 
 
 def eighth(mesh: MeshTet) -> MeshTet:
-    """The tetrahedra of a box in which y < x, see `lacore.meshes.box`."""
+    """The tetrahedra of a box in which y < x, see `lacore.model.meshes.box`."""
     x, y, _ = mesh.p[:, mesh.t].mean(axis=1)
     kept: MeshTet = mesh.restrict(np.flatnonzero(y < x))
     return kept

@@ -19,8 +19,8 @@ from skfem import Mesh
 from skfem.mesh import MeshTri1, MeshTri2
 
 import lacore as la
-from lacore.arrays import Floats, Ints
-from lacore.meshes.curved import jacobians
+from lacore.model.meshes.curved import jacobians
+from lacore.numerics.arrays import Floats, Ints
 from lacore_verification.cases.shared.wedge_meshes import (
     DEPTH,
     SAMPLES,

@@ -16,8 +16,8 @@ from shapely.ops import substring
 from skfem import Mesh, MeshQuad1, MeshQuad2
 
 import lacore as la
-from lacore.arrays import Floats
-from lacore.meshes.curved import edge_curves
+from lacore.model.meshes.curved import edge_curves
+from lacore.numerics.arrays import Floats
 
 WIDTH, DEPTH = 6.0, 4.0  # of the half, in largest depths of the wedge
 _GROWS = 1.3  # from cell to cell

@@ -12,7 +12,7 @@ from math import inf, isfinite, isnan, nan
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.linear_program import Program, maximum
 from lacore_verification.fuzz.checks.rigid_checks import Blocks, rigid_blocks
 from lacore_verification.fuzz.drawn.recipe import Recipe

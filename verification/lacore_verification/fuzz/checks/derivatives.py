@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import lacore as la
-from lacore.questions.envelope_theorem import Nearby, by_multipliers
-from lacore.questions.parameters import parameters_of
+from lacore.analyses.envelope_theorem import Nearby, by_multipliers
+from lacore.analyses.parameters import parameters_of
 from lacore_verification.fuzz.checks.verdict import Wrong
 from lacore_verification.fuzz.drawn.draw import Rng
 

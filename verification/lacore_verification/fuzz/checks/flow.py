@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats, Ints
+from lacore.numerics.arrays import Floats, Ints
 from lacore_verification.fuzz.checks.power import edges_of, strain_points
 from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond

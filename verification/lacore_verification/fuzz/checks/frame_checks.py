@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
 from lacore_verification.fuzz.drawn.recipe import Recipe
 from lacore_verification.fuzz.drawn.touches import Touches

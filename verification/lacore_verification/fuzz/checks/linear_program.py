@@ -10,7 +10,7 @@ from math import inf, nan
 import numpy as np
 from scipy.optimize import linprog
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 
 _ROUNDS = 6
 _ENOUGH = 1e-11  # of the scale of each row

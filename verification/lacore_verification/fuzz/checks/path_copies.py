@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import flow
 from lacore.paths.stage import Stage

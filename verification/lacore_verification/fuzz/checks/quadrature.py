@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
+from lacore.numerics.arrays import Floats, Ints
 
 _LINE, _SHARE = np.polynomial.legendre.leggauss(4)
 _LINE, _SHARE = (_LINE + 1) / 2, _SHARE / 2  # on [0, 1]

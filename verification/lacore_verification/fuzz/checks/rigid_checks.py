@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
 from lacore_verification.fuzz.drawn.recipe import Recipe
 from lacore_verification.fuzz.drawn.touches import OBSTACLE, Part, Touches

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.block_program import joints_of
 from lacore_verification.fuzz.checks.linear_program import Program, maximum
 from lacore_verification.fuzz.checks.power import edges_of

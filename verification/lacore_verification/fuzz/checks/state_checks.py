@@ -7,7 +7,7 @@ from math import isfinite
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.flow import (
     Motion,
     check_footing,

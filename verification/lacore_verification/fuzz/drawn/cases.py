@@ -11,7 +11,7 @@ from math import nan
 import numpy as np
 
 import lacore as la
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
 from lacore_verification.case import Band, Case, Reference, Variant
 from lacore_verification.fuzz.drawn import draw_blocks, draw_continua, draw_frames, draw_paths
 from lacore_verification.fuzz.drawn.draw import Rng

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.drawn.draw import Rng
 from lacore_verification.fuzz.drawn.recipe import Recipe, copied
 

@@ -7,8 +7,8 @@ from math import nan
 import numpy as np
 
 import lacore as la
-from lacore.errors import LacoreError
 from lacore.paths.ending import Ending
+from lacore.reporting.errors import LacoreError
 from lacore_verification.fuzz.checks.path_copies import same_load
 from lacore_verification.fuzz.checks.path_facts import check_facts
 from lacore_verification.fuzz.checks.verdict import BAR, Wrong, beyond, first

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import lacore as la
-from lacore.errors import require_known
+from lacore.reporting.errors import require_known
 
 if TYPE_CHECKING:
     from skfem import MeshQuad, MeshTri
 
-    from lacore.arrays import Bools, Floats
+    from lacore.numerics.arrays import Bools, Floats
 
 Recipe = dict[str, Any]
 LISTS = ("reference", "dead", "supports", "interfaces")

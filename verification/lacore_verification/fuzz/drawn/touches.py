@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore_verification.fuzz.drawn.recipe import Recipe
 
 Part = tuple[str, str]

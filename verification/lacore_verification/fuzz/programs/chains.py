@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Ints, Sparse
-from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 from lacore_verification.fuzz.drawn.draw import Rng
 
 _FAR = 12  # nodes back that a cone ties to

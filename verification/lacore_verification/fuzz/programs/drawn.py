@@ -9,8 +9,7 @@ import numpy as np
 
 import lacore as la
 from lacore.bounds.static_model import static_model
-from lacore.errors import InputError
-from lacore.program import (
+from lacore.program.kinematic import (
     ContactRows,
     FrozenContact,
     KinematicProgram,
@@ -19,6 +18,7 @@ from lacore.program import (
     family_contact,
     stick_contact,
 )
+from lacore.reporting.errors import InputError
 from lacore_verification.fuzz.drawn import draw_blocks, draw_continua, draw_frames
 from lacore_verification.fuzz.drawn.copies import with_law
 from lacore_verification.fuzz.drawn.draw import Rng, chosen, number

@@ -9,7 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from lacore.backend import (
+from lacore.coupling.claims.judged import judged_claim
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.reporting.errors import CapabilityError, LacoreError
+from lacore.reporting.status import Status
+from lacore.solvers.backend import (
     Backend,
     InnerSolution,
     check_capable,
@@ -17,18 +21,14 @@ from lacore.backend import (
     find_backend,
     read_options,
 )
-from lacore.claims.judged import judged_claim
-from lacore.errors import CapabilityError, LacoreError
-from lacore.inner.left_over import left_over
-from lacore.inner.preparing import preparing
-from lacore.inner.rescaling import good_for
-from lacore.program import FrozenContact, KinematicProgram
 from lacore.solvers.child_process import ENDED
 from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
+from lacore.solvers.inner.left_over import left_over
+from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.rescaling import good_for
 from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.registry import JUDGE
-from lacore.status import Status
 from lacore_verification.fuzz.programs.drawn import Drawn
 
 RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"

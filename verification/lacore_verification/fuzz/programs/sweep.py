@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from lacore.backend import Backend
-from lacore.status import Status
+from lacore.reporting.status import Status
+from lacore.solvers.backend import Backend
 from lacore_verification.fuzz.programs.drawn import DRAWN, Drawn, draw_program
 from lacore_verification.fuzz.programs.judge import (
     NOTHING,

@@ -116,8 +116,8 @@ def fitted(
 
     Args:
         data: as of `curves`.
-        fits: from `lacore_verification.analysis.slopes` (columns `by` and those of `Slope`), at
-            most one row for each value of `by`.
+        fits: from `lacore_verification.harness.analysis.slopes` (columns `by` and those of
+            `Slope`), at most one row for each value of `by`.
         x, y, by, tip: as of `curves`.
 
     Raises:
@@ -141,7 +141,7 @@ def fitted(
 
 
 def profile(data: pd.DataFrame, x: Axis, share: Axis = SHARE, *, by: str = "solver") -> Chart:
-    """Steps of a profile from `lacore_verification.analysis`.
+    """Steps of a profile from `lacore_verification.harness.analysis`.
 
     Args:
         data: one row a step: from `x.column` on, the share is `share.column` (0 to 1).

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lacore_verification.case import Case, Variant
+from lacore_verification.harness.verdicts.limit_state import FINDS_NONE
 from lacore_verification.report.charts.axes import figure_axes, labelled, legend
 from lacore_verification.report.charts.svg import Chart, Tip
 from lacore_verification.report.charts.theme import BAND, INK, MARKERS, SERIES, freeze, styled
 from lacore_verification.runs.outcome import Outcome
-from lacore_verification.verdicts.limit_state import FINDS_NONE
 
 _COMPRESSION = 3  # of 9: half the time of the default, files 8 % larger
 

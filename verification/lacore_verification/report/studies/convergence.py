@@ -5,10 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from lacore_verification.analysis.columns import groups, problem_columns, solver_columns
-from lacore_verification.analysis.exact import with_exact
-from lacore_verification.analysis.slope_fits import refinement_orders, regularisation_slopes
-from lacore_verification.analysis.stepping import STEPS, step_orders
+from lacore_verification.harness.analysis.columns import groups, problem_columns, solver_columns
+from lacore_verification.harness.analysis.exact import with_exact
+from lacore_verification.harness.analysis.slope_fits import refinement_orders, regularisation_slopes
+from lacore_verification.harness.analysis.stepping import STEPS, step_orders
 from lacore_verification.report.blocks import Block, Details, Drawing, Gallery, Section, Table, Text
 from lacore_verification.report.charts import axes
 from lacore_verification.report.charts.axes import Axis

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from lacore_verification.analysis.history import SHIFT, History
+from lacore_verification.harness.analysis.history import SHIFT, History
+from lacore_verification.harness.store.versions import Version
 from lacore_verification.report.blocks import (
     Block,
     Document,
@@ -21,7 +22,6 @@ from lacore_verification.report.charts.versions import by_version
 from lacore_verification.report.columns import Column
 from lacore_verification.report.files import INDEX
 from lacore_verification.report.tables import VERDICTS
-from lacore_verification.store.versions import Version
 
 TITLE = "Results of several versions"
 _MEAN_TIME = Axis("mean_time", "geometric mean of solve times [s]", log=False)

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from lacore_verification.analysis.columns import numbers, problem_columns, solver_columns
-from lacore_verification.analysis.extrapolation import lambda_limits
-from lacore_verification.analysis.settings import with_settings
+from lacore_verification.harness.analysis.columns import numbers, problem_columns, solver_columns
+from lacore_verification.harness.analysis.extrapolation import lambda_limits
+from lacore_verification.harness.analysis.settings import with_settings
+from lacore_verification.harness.verdicts.limit_state import FINDS_NONE
+from lacore_verification.harness.verdicts.words import SKIPPED
 from lacore_verification.report.blocks import Block, Details, Section, Table, Text
 from lacore_verification.report.columns import Column
 from lacore_verification.report.studies.convergence import (
@@ -24,8 +26,6 @@ from lacore_verification.report.studies.solvers import (
     sizes_table,
     solvers_section,
 )
-from lacore_verification.verdicts.limit_state import FINDS_NONE
-from lacore_verification.verdicts.words import SKIPPED
 
 PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_tangential")
 _COMPARABLE = (

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from lacore_verification.analysis.columns import (
+from lacore_verification.harness.analysis.columns import (
     answered_itself,
     groups,
     numbers,
@@ -14,7 +14,8 @@ from lacore_verification.analysis.columns import (
     solver_columns,
     with_prefix,
 )
-from lacore_verification.analysis.sizes import largest_residuals
+from lacore_verification.harness.analysis.sizes import largest_residuals
+from lacore_verification.harness.verdicts.words import SKIPPED
 from lacore_verification.report.blocks import (
     Block,
     Details,
@@ -31,7 +32,6 @@ from lacore_verification.report.columns import Column
 from lacore_verification.report.description import counted
 from lacore_verification.report.studies.solvers import FLOOR, with_floor
 from lacore_verification.report.tables import RUN, VERDICTS
-from lacore_verification.verdicts.words import SKIPPED
 
 LEAST = 3
 """Values of an option that make a curve, at least."""

@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
-from lacore_verification.analysis.effort import costs_of_accuracy, efforts
-from lacore_verification.analysis.noise import noise
-from lacore_verification.analysis.pairs import pairwise_outcomes
-from lacore_verification.analysis.profiles import (
+from lacore_verification.harness.analysis.effort import costs_of_accuracy, efforts
+from lacore_verification.harness.analysis.noise import noise
+from lacore_verification.harness.analysis.pairs import pairwise_outcomes
+from lacore_verification.harness.analysis.profiles import (
     Costs,
     costs,
     data_profile,
@@ -14,7 +14,7 @@ from lacore_verification.analysis.profiles import (
     rates,
     shifted_geometric_means,
 )
-from lacore_verification.analysis.sizes import (
+from lacore_verification.harness.analysis.sizes import (
     RESIDUAL_SHIFT,
     RESIDUALS,
     UNKNOWNS,

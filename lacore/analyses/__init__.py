@@ -1,0 +1,1 @@
+"""Analyses of many limit problems: ranges, safety, sensitivity, critical values, envelopes."""

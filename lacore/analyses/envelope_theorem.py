@@ -1,0 +1,131 @@
+"""Derivatives of a load factor by the multipliers of its state, one-sided at kinks (T81).
+
+The load factor is a saddle value: its derivative in a direction is the largest over the stresses,
+and the least over the mechanisms, of the Lagrangian's. A strength or a load meets the mechanism
+alone; a position meets the stresses, too. So a position has one derivative only where both are
+unique, and a change of strengths, which chooses among mechanisms, says nothing about that.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from lacore.analyses.differences import two_sided
+from lacore.analyses.lagrangian import Frozen, NotComparableError, frozen, slope
+from lacore.analyses.parameters import LOAD, STRENGTH, Parameter
+from lacore.limit.solve import TOLERANCE, solve
+from lacore.limit.state import LimitState
+from lacore.model.problem.problem import Problem
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError
+from lacore.reporting.status import Status
+
+_ASIDE = (1e-3, 1.25e-4)  # of all strengths and loads, by which uniqueness is tried
+_CHANGED = 1e-3  # of elasticities: more may be a kink
+_SMOOTH = 2.5  # what is smooth changes 8 times less with the second of them
+_GOLDEN = 0.6180339887498949
+
+
+@dataclass
+class Nearby:
+    """Solves of problems near that of a state, with what it was solved with."""
+
+    state: LimitState
+    given: Mapping[str, Any]
+    solves: int = 0
+
+    def solved(self, problem: Problem) -> LimitState:
+        """The state of a problem."""
+        self.solves += 1
+        bar = min(TOLERANCE, self.state.tolerance)
+        return solve(problem, **self.given, options=self.state.options, tolerance=bar)
+
+    def load_factor(self, problem: Problem) -> float:
+        """Its load factor."""
+        return self.solved(problem).load_factor
+
+
+def by_multipliers(
+    state: LimitState,
+    parameters: Sequence[Parameter],
+    nearby: Nearby,
+) -> list[dict[str, Any]]:
+    """Rows of derivatives at the state; one-sided where mechanisms or stresses are not unique.
+
+    Strengths and loads are changed all at once first: if no derivative differs between both sides,
+    mechanisms are unique. Of all others, and where one differs, each is looked at by itself, as one
+    direction shows that there is a kink but not for which of the parameters.
+    """
+    problem, solution = state.discretisation.problem, frozen(state)
+    jointly = [own.kind in (STRENGTH, LOAD) for own in parameters]
+    slopes, whys = zip(
+        *[_slope(solution, problem, own, own.value) for own in parameters], strict=True
+    )
+    doubt = _jump([own for own, joint in zip(parameters, jointly, strict=True) if joint], nearby)
+    rows = []
+    for own, derivative, why, joint in zip(parameters, slopes, whys, jointly, strict=True):
+        row = {"left": derivative, "right": derivative, "unique": True, "why": why}
+        if not why and (doubt or not joint):
+
+            def at(value: float, own: Parameter = own) -> float:
+                found = nearby.solved(own.at(problem, value))
+                if found.status is not Status.SOLVED:
+                    return np.nan
+                return _slope(frozen(found), problem, own, value)[0]
+
+            row = two_sided(own, derivative, state.load_factor, at)
+        rows.append(row)
+    return rows
+
+
+def _slope(solution: Frozen, problem: Problem, own: Parameter, value: float) -> tuple[float, str]:
+    """The derivative at a state, and why there is none."""
+    try:
+        return slope(solution, partial(own.at, problem), value, own.size), ""
+    except InputError as wrong:
+        return np.nan, f"beside it: {wrong}"
+    except NotComparableError:
+        return np.nan, "a change of it changes the unknowns or the contact points"
+
+
+def _jump(parameters: Sequence[Parameter], nearby: Nearby) -> bool:
+    """Whether derivatives by strengths and loads differ on both sides of a state, or may do so."""
+    state = nearby.state
+    sizes = np.array([own.size for own in parameters])
+    apart: list[Floats] = []
+    for aside in _ASIDE:
+        ends = []
+        for sign in (1, -1):
+            problem, values = _changed(state.discretisation.problem, parameters, sign * aside)
+            found = nearby.solved(problem)
+            if found.status is not Status.SOLVED:
+                return True
+            solution = frozen(found)
+            slopes = [
+                _slope(solution, problem, own, value)[0]
+                for own, value in zip(parameters, values, strict=True)
+            ]
+            ends.append(slopes)
+        scale = abs(state.load_factor) or 1.0
+        apart.append(np.abs(np.subtract(ends[0], ends[1])) * sizes / scale)
+        if not np.any(apart[-1] > _CHANGED):
+            return False
+    return bool(np.any((apart[1] > _CHANGED) & (apart[0] < _SMOOTH * apart[1])))
+
+
+def _changed(
+    problem: Problem, parameters: Sequence[Parameter], aside: float
+) -> tuple[Problem, list[float]]:
+    """A problem with each of its parameters changed by a share of its own, and their values."""
+    values = []
+    for k, own in enumerate(parameters):
+        value = own.value * (1 + aside * (0.3 + 0.7 * ((k + 1) * _GOLDEN % 1.0)))
+        try:
+            problem = own.at(problem, value)
+            values.append(value)
+        except InputError:
+            values.append(own.value)
+    return problem, values

@@ -1,0 +1,205 @@
+"""`stable`: whether a structure stands under its dead loads alone."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
+from lacore.bounds.enclosing import associated, with_associated_flow
+from lacore.bounds.lower import lower_bound
+from lacore.bounds.upper import upper_bound
+from lacore.limit import cells
+from lacore.limit.outcome import strict_bound
+from lacore.limit.stability import Stability, Verdict, stability_of
+from lacore.limit.state import LimitState
+from lacore.model.problem.problem import Problem
+from lacore.reporting import views
+from lacore.reporting.errors import CapabilityError, InputError, require_positive, typed
+from lacore.reporting.findings import Finding, Message, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.showing import Facts, Picture, Shown
+from lacore.reporting.status import Rigor, Standing, Status
+from lacore.solvers.backend import find_backend
+from lacore.solvers.compilation import SolveClock
+from lacore.solvers.registry import JUDGE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_STATUS = {
+    Standing.STANDS: Status.SOLVED,
+    Standing.FALLS: Status.UNSAFE,
+    Standing.UNDECIDED: Status.NOT_CERTIFIED,
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Stable(Shown):
+    """Whether a structure stands under its dead loads alone, with the proof.
+
+    Attributes:
+        stands: True, with stresses and reactions that carry the dead loads; False, with a mechanism
+            that they drive; None where neither is proven.
+        stability: the proof, and which load factors of the reference loads are carried.
+        state: what there is to look at: where it stands the stresses and reactions under the dead
+            loads, nothing moves; where it falls the mechanism, at ``Fd.u = 1``; where neither is
+            proven what the discrete problem has of both, if anything.
+    """
+
+    stands: bool | None
+    stability: Stability
+    state: LimitState
+
+    def __bool__(self) -> bool:
+        """Whether it is proven to stand."""
+        return self.stands is True
+
+    def facts(self) -> Facts:
+        """What is proven, and how well."""
+        told = {"residual": f"largest {self.stability.residual:.1e}"}
+        if self.stability.why:
+            told["why"] = self.stability.why
+        told["solved by"] = f"{self.state.backend} in {self.state.solve_time:.3g} s"
+        told["size"] = self.state.discretisation.contents
+        standing = self.stability.standing
+        return Facts(f"Stable: {standing.label}: {standing.value}", told)
+
+    def picture(self) -> Picture:
+        """The mechanism, or what carries; where neither is proven the problem."""
+        if self.state.point is None:
+            return Picture(self.state.discretisation.problem.plot(), "the problem: undecided")
+        return Picture(self.plot())
+
+    def plot(self) -> Figure:
+        """See `lacore.pictures.analyses.plot_stable`."""
+        return views.picture(self)
+
+
+@typed()
+def stable(
+    problem: Problem,
+    backend: str = "auto",
+    *,
+    tolerance: float = 1e-6,
+    options: Mapping[str, Any] | None = None,
+) -> Stable:
+    """Whether a structure stands under its dead loads alone: proven either way, or None.
+
+    That it stands means that stresses within all strengths and reactions within all friction cones
+    carry the dead loads; with friction that is not associated they need not be those that there are
+    (T14b). Where it falls no friction of these coefficients can hold it, and no pressures up to the
+    strength of joints that crush. Deformable bodies stand by stresses of a `lacore.lower_bound`, in
+    balance in each element: where those of the mesh carry less than the dead loads, refine it.
+
+    Args:
+        problem: with dead loads; its reference loads do not act.
+        backend, options: an exact one.
+        tolerance: bar for the residuals of either proof.
+
+    Raises:
+        InputError: no dead loads; what `lacore.discretise` refuses.
+        CapabilityError: the backend is missing, or cannot take the problem.
+
+    Example:
+        >>> bool(la.stable(la.examples.column()))  # it stands under its weight alone
+        True
+    """
+    require_positive("tolerance", tolerance)
+    begin = time.perf_counter()
+    require_dead_loads(problem)
+    discretisation = discretise(problem)
+    build_time, clock = time.perf_counter() - begin, SolveClock()
+    given = backend, options or {}, "associated", tolerance, np.nan
+
+    def judged(standing: Standing, findings: tuple[Finding, ...]) -> Verdict:
+        falls = standing is Standing.FALLS and cells.from_below(problem)
+        stands = standing is Standing.STANDS and cells.from_above(problem)
+        if falls or stands:
+            other = cells.on_side(problem, "above" if falls else "below")
+            same = stability_of(discretise(other), *given).standing is standing
+            standing, findings = (standing, ()) if same else (Standing.UNDECIDED, findings)
+        why = _not_of_the_continuum(problem, discretisation, standing, backend, options or {})
+        return (standing, findings) if why is None else (Standing.UNDECIDED, (why,))
+
+    found = stability_of(discretisation, *given, judged)
+    status = _STATUS[found.standing]
+    state = LimitState(
+        status=status,
+        load_factor=0.0 if status is Status.SOLVED else np.nan,
+        rigor=Rigor.NOT_CERTIFIED,
+        backend=backend,
+        coupling="associated",
+        certificate=None,
+        contraction=np.nan,
+        bracket=None,
+        regularised=None,
+        history=pd.DataFrame({"peak_memory": []}),
+        build_time=build_time,
+        solve_time=clock.seconds,
+        compile_time=clock.compile_time,
+        options=dict(options or {}),
+        tolerance=tolerance,
+        findings=(
+            Finding(Kind.DEAD_LOADS, (), {"standing": found.proven}, Severity.REASON),
+            *found.findings,
+        ),
+        discretisation=discretisation,
+        point=found.point,
+    )
+    answer = {Standing.STANDS: True, Standing.FALLS: False, Standing.UNDECIDED: None}
+    return Stable(answer[found.standing], found, state)
+
+
+def _not_of_the_continuum(
+    problem: Problem,
+    discretisation: Discretisation,
+    standing: Standing,
+    backend: str,
+    options: Mapping[str, Any],
+) -> Finding | None:
+    """Return why it is not proven of deformable bodies, as one mesh may prove less; else None.
+
+    Equilibrium with these is none in each element, and flow in some spaces dissipates more than
+    their points say. All dead loads together are carried from zero up to their load factor.
+    """
+    sure = standing is Standing.FALLS and strict_bound(discretisation)
+    if not discretisation.continua or standing is Standing.UNDECIDED or sure:
+        return None
+    if find_backend(backend).capabilities.regularised:
+        backend, options = JUDGE, {}
+    why: Message | str
+    try:
+        alone = associated(with_associated_flow(problem.with_loads(problem.dead_loads, [])))
+        if standing is Standing.STANDS:
+            below = lower_bound(alone, backend, options=options)
+            carried = below.rigor is Rigor.LOWER and below.load_factor >= 1
+            proven, why = carried or below.status is Status.LOCKED, below.report
+        else:
+            above = upper_bound(alone, backend, options=options)
+            proven = above.rigor is Rigor.UPPER and above.load_factor < 1
+            why = above.report
+    except (InputError, CapabilityError) as refused:
+        proven, why = False, refused.text
+    if proven:
+        return None
+    values = {"standing": standing.label, "why": why}
+    return Finding(Kind.CONTINUUM_NOT_PROVEN, values=values)
+
+
+@typed()
+def require_dead_loads(problem: Problem) -> None:
+    """Raise `InputError` where nothing acts but what a load factor multiplies."""
+    if not problem.dead_loads:
+        raise InputError(
+            "Problem.dead_loads",
+            None,
+            "there is none, and what is asked is what these alone do",
+            "give the weights as dead_loads; reference loads do not act here",
+        )

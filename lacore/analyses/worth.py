@@ -1,0 +1,66 @@
+"""What a state says of the load factor: one number with its error, and what of it is proven."""
+
+import numpy as np
+
+from lacore.coupling.kinds import COUPLINGS
+from lacore.limit.cells import from_above, from_below
+from lacore.limit.hinging import excess
+from lacore.limit.outcome import strict_bound
+from lacore.limit.state import LimitState
+from lacore.reporting.status import Rigor, Scope, Status
+
+_PROVEN = {Status.LOCKED: np.inf, Status.UNSAFE: -np.inf, Status.FREE: 0.0}
+
+
+def worth(state: LimitState) -> float:
+    """Load factor that is proven: inf where LOCKED, -inf where UNSAFE, 0 where FREE, else NaN.
+
+    So that no question has to be told apart by statuses: what falls under its dead loads carries
+    less than any load, what is locked more.
+    """
+    return _PROVEN.get(state.status, state.load_factor)
+
+
+def error(state: LimitState) -> float:
+    """By how much a load factor may be wrong by its own residuals, in its unit; 0 of proven ends.
+
+    The largest residual times the power turned over, ``D + |Fd.u| + |alpha|`` at ``F0.u = 1``.
+    """
+    if state.status in _PROVEN:
+        return 0.0
+    if state.status is not Status.SOLVED or state.certificate is None or state.point is None:
+        return np.nan
+    u, full = state.point.velocity, state.discretisation.full
+    dead = abs(float(full.dead_load @ u))
+    return state.certificate.worst[1] * (2 * abs(state.load_factor) + 2 * dead)
+
+
+def proven(state: LimitState) -> tuple[float, float]:
+    """What encloses every load factor of the problem of a state; -inf and inf where nothing does.
+
+    Of blocks and frames without Coulomb friction the load factor itself, within its error. Of a
+    deformable body what is found on one mesh is an upper bound at most, of Coulomb friction one of
+    several load factors, maybe. What a coupling says that answers another problem counts as far as
+    it bounds the one that is stated.
+    """
+    stated = state.discretisation.problem
+    exact = state.discretisation.scope is Scope.ITSELF
+    below, above = (exact and not wrong(stated) for wrong in (from_above, from_below))
+    normal, kind = state.discretisation.full.associated_flow, COUPLINGS[state.coupling]
+    if state.status is Status.LOCKED:
+        locked = below and (normal or not kind.may_be_stronger)
+        return (np.inf, np.inf) if locked else (-np.inf, np.inf)
+    if state.status is Status.UNSAFE:
+        falls = strict_bound(state.discretisation) and (normal or not kind.may_be_weaker)
+        return -np.inf, -np.inf if falls else np.inf
+    if exact and state.bracket is not None:
+        low, high = state.bracket
+        return low if below else -np.inf, high if above else np.inf
+    if state.rigor not in (Rigor.UPPER, Rigor.LOWER):
+        return -np.inf, np.inf
+    value = state.load_factor
+    near = error(state)
+    if excess(state) > 0:  # members under line loads: by the tolerance at most
+        near = max(near, 2 * state.tolerance * abs(value))
+    lower = value - near if below and normal else -np.inf
+    return lower, value + near if state.rigor is Rigor.UPPER else np.inf

@@ -1,0 +1,117 @@
+"""Which elements to refine: shares of an error, and the fewest elements that hold most of it."""
+
+from collections.abc import Iterator
+from typing import TypeVar
+
+import numpy as np
+
+from lacore.bounds.gap_identity import gap_identity
+from lacore.bounds.lower import LowerBound
+from lacore.bounds.upper import UpperBound
+from lacore.model.bodies.continuum.regions.gathering import HasBody, by_body, gathered
+from lacore.numerics.arrays import Floats
+from lacore.program.dissipation import DissipationGroup
+
+T = TypeVar("T")
+
+_LOWER = 0.3  # of all shares: lower bounds may be weak where nothing moves
+
+
+def upper_shares(bound: UpperBound, body: str) -> Floats:
+    """How far the dissipation of each element is above that of its mean strain rate (T26d).
+
+    By convexity no less than 0, and the least share of a gap (T26) that any stress constant in the
+    element can leave. Its slip past what holds it is strain like any other. Shape (elements,), in
+    the unit of load factors.
+    """
+    discretisation = bound.discretisation
+    if discretisation.continua[body].body.dimension == 3:
+        return bound.dissipation[body]  # with its jumps: where the mechanism is (T92)
+    groups, point = discretisation.full.groups, bound.state.point
+    assert point is not None
+    dofs, whole = discretisation.continua[body], bound.dissipation[body]
+    slipped = np.zeros((whole.size, 3))
+    if body in discretisation.slips:
+        slip = discretisation.slips[body]
+        beside = dofs.body.mesh.f2t[0, slip.facets]
+        np.add.at(slipped, beside, slip.layer(dofs, bound.velocity))
+    ours = _of(body, by_body(discretisation.continua, groups))
+    means = _of(body, by_body(discretisation.continua, point.mean_stress))
+    shares = []
+    for region, group, mean in zip(dofs.body.regions, ours, means, strict=True):
+        count = region.elements.size
+        if group.surfaces is not None:
+            shares.append(_varying(group, group.cone_vectors(bound.velocity), mean, count))
+            continue
+        rates = (group.weights[:, None] * group.cone_vectors(bound.velocity)).reshape(
+            count, -1, group.dim
+        )
+        strength = _mean(group.bound.reshape(count, -1))
+        total = rates.sum(axis=1) + slipped[region.elements] @ region.form.rows.T
+        own = whole[region.elements] - strength * np.linalg.norm(total, axis=1)
+        shares.append(np.asarray(own))
+    return gathered(dofs.body, shares)
+
+
+def _mean(values: Floats) -> Floats:
+    """Means of values (e, q) of elements, exactly that of equal ones."""
+    return np.asarray(values[:, 0] + (values - values[:, :1]).mean(axis=1))
+
+
+def _of(name: str, parts: Iterator[tuple[str, HasBody, tuple[T, ...]]]) -> tuple[T, ...]:
+    """What belongs to a body."""
+    return next(own for body, _, own in parts if body == name)
+
+
+def lower_shares(bound: LowerBound, body: str) -> Floats:
+    """The same of the multipliers of a lower bound, in geometric mean with their dissipation.
+
+    Multipliers of equilibrium elements vary in an element where stresses cannot follow; alone they
+    refine too few elements at a time (T26d). In space by their dissipation alone. Shape
+    (elements,), in the unit of load factors.
+    """
+    assert bound.point is not None
+    bodies = bound.model.continua
+    solid = bodies[body].body.dimension == 3
+    corners = len(bodies[body].body.mesh.t)
+    groups = _of(body, by_body(bodies, bound.model.program.groups))
+    means = _of(body, by_body(bodies, bound.point.mean_stress))
+    shares = []
+    for group, mean in zip(groups, means, strict=True):
+        rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
+        rates = rates.reshape(-1, corners, group.dim)
+        # What a soil carries follows its pressure.
+        strength = group.carried(mean).reshape(-1, corners).mean(axis=1)
+        whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
+        varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
+        own = whole if solid else np.sqrt(whole * np.maximum(varying, 0.0))
+        shares.append(np.asarray(own))
+    return gathered(bodies[body].body, shares)
+
+
+def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int) -> Floats:
+    """How far shear varies in elements, times what they carry at their pressure, (elements,).
+
+    The dissipation of a soil is linear in its strain rate (T38), and says nothing of it.
+    """
+    weighted = (group.weights[:, None] * rates).reshape(elements, -1, group.dim)
+    strength = group.carried(mean).reshape(elements, -1).mean(axis=1)
+    whole = np.linalg.norm(weighted, axis=2).sum(axis=1)
+    return np.asarray(strength * (whole - np.linalg.norm(weighted.sum(axis=1), axis=1)))
+
+
+def shared_shares(upper: UpperBound, lower: LowerBound) -> Floats:
+    """Shares in the gap (T26), with those of the lower bound itself: parts, of all bodies.
+
+    Where the velocity of the upper bound has no strain the gap has no share, whatever stresses lack
+    there; the multipliers of the lower bound move there.
+    """
+    gap = np.concatenate(list(gap_identity(upper, lower).elements.values()))
+    own = np.concatenate([lower_shares(lower, name) for name in lower.model.continua])
+    gap = np.maximum(gap, 0.0)
+    return np.asarray(_parts(gap) + _LOWER * _parts(own))
+
+
+def _parts(shares: Floats) -> Floats:
+    total = float(shares.sum())
+    return shares / total if total > 0 else shares

@@ -1,0 +1,82 @@
+"""LOCKED, UNSAFE and a jam are claims like a load factor: proven here, or not made (T13)."""
+
+from collections.abc import Callable
+from contextlib import closing
+
+import numpy as np
+
+from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
+from lacore.coupling.claims.locking_ray import LockingRay, locking_ray
+from lacore.program.certificate import certify
+from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
+from lacore.reporting.status import Status
+from lacore.solvers.backend import PreparedSolver, checked_answer
+from lacore.solvers.inner.preparing import prepared_by
+from lacore.solvers.registry import JUDGE
+
+Prepare = Callable[[KinematicProgram], PreparedSolver]
+Ray = LockingRay | DeadCollapse
+CLAIMED = (Status.LOCKED, Status.UNSAFE, Status.JAM)
+
+
+def judged_claim(
+    status: Status,
+    program: KinematicProgram,
+    admitting: FrozenContact,
+    carrying: FrozenContact,
+    prepare: Prepare,
+    tolerance: float,
+) -> tuple[Status, Finding | None, Ray | None]:
+    """Return the status that is proven in place of a claim, why it differs, and its proof.
+
+    A structure is UNSAFE by a mechanism of its dead load, also where it was called locked or
+    jammed: what the load cannot move may stand beside what falls. It is LOCKED by reactions that
+    carry the reference load alone. A claim that neither proves is NOT_CERTIFIED.
+
+    Args:
+        status: LOCKED, UNSAFE or JAM; any other is returned as it is.
+        program: dimensionless; soils whose flow is not associated carry what they would if it were.
+        admitting: contact whose velocities are admissible: that of the solve, or for a claim of
+            Coulomb friction one without any.
+        carrying: contact whose reactions are admissible: that of the solve, or the associated one.
+        prepare: sets an exact backend to work on a program.
+        tolerance: bar for the residuals of a velocity.
+    """
+    if status not in CLAIMED:
+        return status, None, None
+    collapse = dead_collapse(program.associated(), carrying, prepare, tolerance)
+    if collapse is not None:
+        return Status.UNSAFE, None, collapse
+    if status is Status.JAM:
+        return status, None, None
+    if status is Status.UNSAFE:
+        why = Finding(Kind.UNSAFE_NOT_PROVEN, severity=Severity.REASON)
+        return Status.NOT_CERTIFIED, why, None
+    ray = locking_ray(program.at_friction(0.0), admitting)
+    if ray is not None and ray.proves:
+        return status, None, ray
+    if refuted := _mechanism(program.at_friction(0.0), admitting, tolerance):
+        return Status.NOT_CERTIFIED, refuted, None
+    values = {"residual": np.nan if ray is None else ray.residual}
+    why = Finding(Kind.LOCKED_NOT_PROVEN, values=values, severity=Severity.REASON)
+    return Status.NOT_CERTIFIED, why, None
+
+
+def _mechanism(
+    program: KinematicProgram, contact: FrozenContact, tolerance: float
+) -> Finding | None:
+    """Return how a mechanism refutes that the load is locked; None if none is found.
+
+    It is asked of lacore's own backend, not of the one that made the claim.
+    """
+    with closing(prepared_by(JUDGE, {})(program)) as solver:
+        point = checked_answer(program, False, solver.solve(contact)).point
+    if point is None:
+        return None
+    found = certify(program, point, contact)
+    sizes = {name: getattr(found, name) for name in ("penetration", "divergence", "normalisation")}
+    if not all(size <= tolerance for size in sizes.values()):
+        return None
+    return Finding(Kind.LOCKED_REFUTED, (), {"backend": JUDGE, **sizes}, Severity.REASON)

@@ -1,0 +1,5 @@
+"""Bodies with materials, meshes and contact, and the problem that they are part of."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,185 @@
+"""Outlines of blocks in assemblies of compas, read from its JSON as data.
+
+The mesh of a block is ``{"vertex": {key: {x, y, z}}, "face": {key: [vertices]}}`` in all of them.
+It is found in
+
+- the nodes of a graph (compas_assembly 0.2 to 0.7), which compas wrapped as "value", later "data";
+- the elements of a model (compas_model, compas_dem), which nodes of its graph only refer to;
+- "blocks", beside a network whose vertices say which are supports (compas_assembly 0.1).
+
+Meshes are plane, or prisms across the plane of the wall.
+"""
+
+from collections.abc import Iterator, Set
+from typing import Any
+
+import numpy as np
+import shapely
+
+from lacore.model.bodies.blocks.drawings.strokes import Drawing, Stroke, refused
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError, is_number
+
+BLOCK, SUPPORT = "block", "support"
+_PLANES = ((2, (0, 1)), (1, (0, 2)), (0, (1, 2)))  # across it, and right and up in it
+_MOVES = "transformation"
+_FLAT = 1e-6  # of the size: compas writes coordinates as they were computed
+
+
+def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
+    """Outlines of the blocks of an assembly, seen along y (x, z), along x (y, z), or from above.
+
+    That is the first of these planes across which all blocks have one thickness: of plane blocks
+    theirs. The layer of a block is its attribute "layer", else "support" where it is one, else
+    "block"; its handle is the key of its node.
+
+    Args:
+        path: of the file, for messages.
+        content: as `json` reads it.
+        layers: to take blocks of.
+
+    Raises:
+        InputError: no assembly, blocks that are not plane.
+    """
+    meshes = meshes_of(path, content)
+    across, up = _plane(path, [points for _, _, (points, _) in meshes])
+    strokes = []
+    for key, layer, (points, faces) in meshes:
+        if layer not in layers:
+            continue
+        near = points[:, across] <= points[:, across].mean()  # of a plane mesh all
+        caps = [shapely.Polygon(points[face][:, up]) for face in faces if near[face].all()]
+        outline = shapely.union_all([cap for cap in caps if cap.is_valid])
+        if outline.geom_type != "Polygon" or shapely.get_num_interior_rings(outline):
+            what = f"layer {layer!r}, handle {key}"
+            raise refused(path, what, "its mesh is no prism across the plane", "close its faces")
+        ring = shapely.get_coordinates(shapely.get_exterior_ring(outline))[:-1]
+        strokes.append(Stroke(layer, key, ring, closed=True))
+    return Drawing(tuple(strokes), tuple({layer for _, layer, _ in meshes}), None, {})
+
+
+def meshes_of(path: str, content: Any) -> list[tuple[str, str, tuple[Floats, list[list[int]]]]]:
+    """Key, layer, and mesh of each block: vertices (k, 3), and faces as their numbers."""
+    nodes = _nodes(content)
+    if nodes is None:
+        raise InputError(
+            "path",
+            path,
+            "neither GeoJSON (no `type`) nor an assembly of compas (no graph with nodes)",
+            "write it by compas.json_dump(assembly, path)",
+        )
+    meshes = [(key, _layer(node), _mesh(node, path, key)) for key, node in nodes.items()]
+    if not meshes:
+        raise InputError("path", path, "an assembly without blocks", "add blocks, and write it")
+    return meshes
+
+
+def _nodes(content: Any) -> dict[str, Any] | None:
+    """What is said of each block, wherever it stands: models before graphs, which repeat less."""
+    for kind in (_of_model, _of_graph, _of_network):
+        for own in _dictionaries(content):
+            found = kind(own)
+            if found is not None:
+                return found
+    return None
+
+
+def _of_model(own: dict[str, Any]) -> dict[str, Any] | None:
+    elements = own.get("elements")
+    if not (isinstance(elements, dict | list) and elements and "graph" in own):
+        return None
+    moved = {_MOVES: own.get(_MOVES)}  # of the model
+    named = elements.items() if isinstance(elements, dict) else enumerate(elements)
+    return {str(key): [moved, element] for key, element in named}
+
+
+def _of_graph(own: dict[str, Any]) -> dict[str, Any] | None:
+    if isinstance(own.get("node"), dict) and "edge" in own:
+        return {str(key): node for key, node in own["node"].items()}
+    return None
+
+
+def _of_network(own: dict[str, Any]) -> dict[str, Any] | None:
+    blocks, network = own.get("blocks"), own.get("assembly")
+    if not (isinstance(blocks, dict) and isinstance(network, dict)):
+        return None
+    said = network.get("vertex")
+    said = said if isinstance(said, dict) else {}
+    return {str(key): [mesh, said.get(key)] for key, mesh in blocks.items()}
+
+
+def _dictionaries(content: Any) -> Iterator[dict[str, Any]]:
+    """A dictionary and those in it, outer ones first."""
+    waiting = [content]
+    while waiting:
+        own = waiting.pop(0)
+        if isinstance(own, dict):
+            yield own
+            waiting += own.values()
+        elif isinstance(own, list):
+            waiting += own
+
+
+def _layer(node: Any) -> str:
+    for own in _dictionaries(node):
+        if isinstance(own.get("layer"), str):
+            return str(own["layer"])
+    support = any(own.get("is_support") is True for own in _dictionaries(node))
+    return SUPPORT if support else BLOCK
+
+
+def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
+    """Vertices (k, 3), and faces as their numbers."""
+    for own in _dictionaries(node):
+        if own.get(_MOVES) is not None and not _rests(own[_MOVES]):
+            raise refused(
+                path,
+                f"handle {key}",
+                "its element is moved by a transformation, of which only compas knows all",
+                "write the blocks where they are: Block.from_mesh(element.modelgeometry)",
+            )
+        if (mesh := _vertices_and_faces(own.get("vertex"), own.get("face"))) is not None:
+            return mesh
+    raise refused(path, f"handle {key}", "a node without the mesh of a block", "add its block")
+
+
+def _vertices_and_faces(vertex: Any, face: Any) -> tuple[Floats, list[list[int]]] | None:
+    """A mesh from its entries by key; None where they are no mesh."""
+    if not (isinstance(vertex, dict) and isinstance(face, dict) and face):
+        return None
+    places = [[point.get(axis, 0.0) for axis in "xyz"] for point in vertex.values()]
+    number = {name: n for n, name in enumerate(vertex)}
+    known = all(str(name) in number for corners in face.values() for name in corners)
+    if not (known and all(is_number(value) for place in places for value in place)):
+        return None
+    faces = [[number[str(name)] for name in corners] for corners in face.values()]
+    return np.array(places, dtype=np.float64), faces
+
+
+def _rests(transformation: Any) -> bool:
+    """Whether a transformation is none: the unit matrix."""
+    for own in _dictionaries(transformation):
+        if "matrix" in own:
+            return bool(own["matrix"] == np.eye(4).tolist())
+    return False
+
+
+def _plane(path: str, vertices: list[Floats]) -> tuple[int, list[int]]:
+    """The axis to look along, and the two that are seen, to the right and up."""
+    every = np.concatenate(vertices)
+    allowed = _FLAT * float(np.linalg.norm(np.ptp(every, axis=0)))
+    for across, axes in _PLANES:
+        low, high = every[:, across].min(), every[:, across].max()
+        # A wall of one height is none seen from above: only what has no thickness is drawn there.
+        if across == 2 and high - low > allowed:
+            continue
+        ends = [np.minimum(own[:, across] - low, high - own[:, across]) for own in vertices]
+        through = [np.ptp(own[:, across]) >= high - low - allowed for own in vertices]
+        if np.concatenate(ends).max() <= allowed and all(through):
+            return across, list(axes)
+    raise InputError(
+        "path",
+        path,
+        "its blocks are no prisms between two planes across y, nor across x",
+        "turn the wall into the plane of x and z",
+    )

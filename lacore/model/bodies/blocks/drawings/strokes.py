@@ -1,0 +1,85 @@
+"""What a drawing consists of, whatever file it came from, and how messages name its parts."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
+from lacore.reporting.text import Quantity
+
+METRES = {
+    **{"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0},
+    **{"in": 0.0254, "ft": 0.3048, "yd": 0.9144},
+}
+"""Lengths of units of drawings, m."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stroke(Compact):
+    """A line of a drawing, straight from vertex to vertex.
+
+    Attributes:
+        layer: that it lies in.
+        handle: by which the program that drew it finds it.
+        points: vertices, (k, 2); of a closed one the first is not repeated.
+        closed: whether the last vertex is joined to the first.
+    """
+
+    layer: str
+    handle: str
+    points: Floats
+    closed: bool
+
+    @property
+    def told(self) -> str:
+        """``layer 'stone', handle 2F``."""
+        return f"layer {self.layer!r}, handle {self.handle}"
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A file's lines.
+
+    Attributes:
+        strokes: of the layers that were asked for, in the units of the drawing.
+        layers: all that hold something, in any order.
+        unit: that the file says, one of `METRES`; None where it says none.
+        skipped: numbers of things in those layers that are no lines (texts, dimensions), by kind.
+    """
+
+    strokes: tuple[Stroke, ...]
+    layers: tuple[str, ...]
+    unit: str | None
+    skipped: Mapping[str, int]
+
+
+def refused(path: str, what: str, why: str, fix: str) -> InputError:
+    """An error about a part of a drawing."""
+    return InputError("path", path, f"{what}: {why}", fix)
+
+
+def place_told(place: Floats | Sequence[float]) -> Quantity:
+    """``(1.25, 0.4) m``."""
+    return Quantity(tuple(place), "m", ".6g")
+
+
+def metres(path: str, said: str | None, unit: str | None) -> tuple[str, float]:
+    """The unit of a drawing, and its length in m.
+
+    Args:
+        path: of the file, for messages.
+        said: by the file.
+        unit: the user's, which is taken whatever the file says.
+
+    Raises:
+        InputError: an unknown unit, or none at all.
+    """
+    known = ", ".join(METRES)
+    if unit is not None:
+        if not isinstance(unit, str) or unit not in METRES:
+            raise InputError("unit", unit, "no unit of drawings", f"give one of {known}")
+        return unit, METRES[unit]
+    if said is None:
+        raise InputError("unit", None, f"{path!r} says no unit of length", f"give one of {known}")
+    return said, METRES[said]

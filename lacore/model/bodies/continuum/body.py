@@ -1,0 +1,308 @@
+"""Deformable bodies: a mesh, a criterion, kinematics and a velocity space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from skfem import MeshQuad, MeshTet, MeshTri
+from skfem.mesh import MeshTet1, MeshTri1
+
+from lacore.model.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.model.bodies.continuum.loaded import check_load
+from lacore.model.bodies.continuum.locking import crossed_quadrilaterals
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.continuum.regions.stated import regions_of
+from lacore.model.bodies.continuum.spaces import VelocitySpace, spaces_of
+from lacore.model.bodies.touching import TOUCH, Edges, Touched
+from lacore.model.conditions.loads import Fix, Load, require_no_rotation
+from lacore.model.conditions.where import Where
+from lacore.model.materials.conic_form import KINEMATICS, SPACE
+from lacore.model.materials.criterion import Criterion
+from lacore.model.meshes.checks import check_mesh
+from lacore.model.meshes.curved import EdgeCurves, edge_curves, vertices
+from lacore.model.meshes.solid.checks import check_tetrahedra
+from lacore.model.meshes.solid.roundness import outline_of
+from lacore.numerics.arrays import Bools, Floats, Ints
+from lacore.reporting import views
+from lacore.reporting.errors import InputError, require_known
+from lacore.reporting.showing import Facts, Picture, Shown, counted, listed, short
+from lacore.reporting.text import Term, join, text
+
+_TRIANGLES = Term(
+    "skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated', or"
+    " space='p2-gauss' on a MeshTri2; of quadrilaterals: mesh.to_meshtri(style='x'), or"
+    " space='q2')",
+    'mesh of triangles (of quadrilaterals: space = "q2")',
+)
+_QUADRILATERALS = Term("skfem.MeshQuad", 'mesh of shape = "quadrilaterals"')
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_NEAR = 1e-9  # of the body size: coordinates written in double precision agree to this
+
+GEOMETRIES = ("exact", "approximated")
+
+
+@dataclass(frozen=True, repr=False)
+class Body(Shown):
+    """A continuum body.
+
+    Attributes:
+        mesh: straight-edged triangles (`skfem.MeshTri`), boundaries named; for the space ``q2``
+            convex quadrilaterals (`skfem.MeshQuad`). ``p2-gauss`` and ``q2`` also take
+            isoparametric meshes, whose edges are curves through their midside nodes
+            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31); in space tetrahedra (`skfem.MeshTet`).
+        criterion: yield criterion: `VonMises`, or one of your own with the four names of
+            `lacore.model.materials.criterion.Criterion`; or one for each region, by the names of
+            ``mesh.subdomains``: ``{"fill": ..., "clay": ...}``, each element in one of them.
+        kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
+            body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
+            forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
+            the axis by itself; spaces ``p2-gauss`` and ``q2``; or ``3d``, tetrahedra in space
+            (T89, T90), spaces ``p2-vertex``, ``p2-disc`` and ``p1-disc``.
+        space: velocity space. Strict upper bounds: ``p2-vertex`` (T22), ``p2-disc`` and
+            ``p1-disc`` with velocity jumps between elements (T23), ``p1`` where it does not lock.
+            More accurate than bounds: ``p2-gauss``, ``q2`` (T22, T24).
+        geometry: ``exact``, or ``approximated`` where straight edges replace a curved boundary:
+            then no value is called a bound. None: what the maker of the mesh says, such as
+            `lacore.model.meshes.quarter_ring`; else ``approximated`` where the outline turns by
+            small angles at three corners in a row, like a polygon in place of an arc. Of a polygon
+            that is meant say ``exact``.
+
+    Raises:
+        InputError: wrong mesh type, a mesh that `check_mesh` refuses, unknown names, a space that
+            locks on the mesh; regions that the mesh lacks, that overlap or leave elements out;
+            strengths that are negative somewhere, or of another number of elements.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> plate = la.Body(mesh, la.VonMises(shear_strength=20e3), kinematics="plane_stress")
+        >>> plate.mesh.nelements
+        32
+    """
+
+    mesh: MeshTri | MeshQuad | MeshTet
+    criterion: Criterion | Mapping[str, Criterion]
+    kinematics: str = "plane_strain"
+    space: str = "p2-vertex"
+    geometry: str | None = None
+    pointwise: ClassVar[bool] = False  # it touches others along edges
+    deforms: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        require_known("Body.kinematics", self.kinematics, KINEMATICS)
+        spaces = spaces_of(self.kinematics)
+        require_known("Body.space", self.space, spaces)
+        if self.geometry is not None:
+            require_known("Body.geometry", self.geometry, GEOMETRIES)
+        space = spaces[self.space]
+        if self.axisymmetric and space.strict:
+            raise InputError(
+                "Body.space",
+                self.space,
+                "no axisymmetric bodies: bounds need strain rates that are linear in elements, and"
+                " the vertex rule has a motion without energy at the axis",
+                "take 'p2-gauss', or 'q2' on quadrilaterals",
+            )
+        self.check_elements(space)
+        if self.geometry is None:
+            object.__setattr__(self, "geometry", outline_of(self.mesh))
+        if self.axisymmetric:
+            _check_radii(self)
+        if isinstance(self.criterion, Mapping):
+            object.__setattr__(self, "criterion", dict(self.criterion))
+        incompressible = any(not region.form.compressible for region in self.regions)
+        if space.locks and incompressible and not crossed_quadrilaterals(self.mesh):
+            raise InputError(
+                "Body.space",
+                self.space,
+                "locks: on this mesh triangles of constant strain cannot flow at constant volume,"
+                " and load factors would be far too high",
+                text(
+                    "take 'p1-disc' or 'p2-vertex', or cut all quadrilaterals along both diagonals"
+                    " ({})",
+                    Term("lacore.model.meshes.rectangle(crossed=True)", "crossed = true"),
+                ),
+            )
+
+    def check_elements(self, space: VelocitySpace) -> None:
+        """Raise `InputError` for a mesh that does not fit the space, or that no body can have."""
+        _check_mesh(self.mesh, space)
+
+    @property
+    def contents(self) -> str:
+        """``576 triangles, plane_strain, p2-vertex, k = 1 Pa``."""
+        if self.dimension == 3:
+            return text("{} tetrahedra, {}, {}", self.mesh.nelements, self.space, self.label)
+        elements = counted(
+            self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
+        )
+        return text("{}, {}, {}, {}", elements, self.kinematics, self.space, self.label)
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        lengths = " by ".join(
+            f"{low:.4g} to {high:.4g} m" for low, high in zip(*self.box, strict=True)
+        )
+        told = {
+            **self._criteria(),
+            "size": f"{self.mesh.nvertices} vertices, {lengths}, geometry {self.geometry}",
+            "boundaries": listed(self.mesh.boundaries or {}, 12) or "none has a name",
+        }
+        return Facts(f"Body: {self.contents}", told)
+
+    def picture(self) -> Picture:
+        """Its mesh."""
+        return Picture(self.plot())
+
+    def plot(self) -> Figure:
+        """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
+        return views.picture(self)
+
+    @cached_property
+    def regions(self) -> tuple[Region, ...]:
+        """Its parts by criterion; one of all elements where there is one criterion."""
+        return regions_of(self.mesh, self.criterion, self.kinematics)
+
+    @property
+    def label(self) -> str:
+        """What its criteria are worth: ``k = 1 Pa``, ``fill: k = 1 Pa; clay: k = 2 Pa``."""
+        told = [(region.name, region.label) for region in self.regions]
+        return join("; ", (text("{}: {}", *own) if own[0] else own[1] for own in told))
+
+    def _criteria(self) -> dict[str, str]:
+        """Facts of each region."""
+        told = {}
+        for region in self.regions:
+            title = f"criterion of {region.name}" if region.name else "criterion"
+            told[title] = region.told or short(region.criterion)
+            if share := region.without_effect:
+                where = f"in {share:.0%} of {region.name or 'its elements'}"
+                told["without effect"] = f"tension_cutoff, beyond the apex {where}"
+        return told
+
+    @property
+    def pressure_dependent(self) -> bool:
+        """Whether the strength of a region depends on pressure."""
+        return any(region.form.surfaces for region in self.regions)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether its strengths are known everywhere, as bounds need."""
+        return all(region.bounded for region in self.regions)
+
+    @property
+    def largest_shear(self) -> float:
+        """Largest shear stress that it can carry at any pressure, Pa; inf of what has friction."""
+        return max(region.largest_shear for region in self.regions)
+
+    @property
+    def dimension(self) -> int:
+        """2 of the plane, 3 in space."""
+        return 3 if self.kinematics == SPACE else 2
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether x is the radius r >= 0 and y the axis z."""
+        return self.kinematics == "axisymmetric"
+
+    def thickness(self, places: Floats) -> Floats:
+        """Across the plane at places of shape (d, ...): 1, or the circumference ``2 pi r``, m."""
+        return 2 * np.pi * places[0] if self.axisymmetric else np.ones_like(places[0])
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner of the bounding box of its vertices, m, shape (d,) each."""
+        return self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the bounding box, the length that tolerances refer to."""
+        return float(np.linalg.norm(np.ptp(self.mesh.p, axis=1)))
+
+    @property
+    def allowed(self) -> float:
+        """Distance up to which coordinates count as one, m."""
+        return TOUCH * self.size
+
+    def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
+        """Facets of a part of the boundary, and their chords; errors name the `field`."""
+        facets = boundary_facets(self, where, field)
+        return facets, Edges(*facet_geometry(self, facets))
+
+    def curves(self, facets: Ints) -> EdgeCurves:
+        """Facets as the curves that they are."""
+        return edge_curves(self.mesh, facets)
+
+    def check_load(self, load: Load, field: str) -> None:
+        """Raise `InputError` where it cannot carry a load; it names the `field`."""
+        check_load(load, self, field)
+
+    def with_points(self, points: Iterable[Sequence[float]]) -> Body:
+        """Itself: point forces act at vertices that it has."""
+        return self
+
+    def check_contact(
+        self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+    ) -> None:
+        """Nothing: what touches or holds any part of it holds all of it."""
+
+    def check_support(self, support: Fix, field: str) -> None:
+        """Raise `InputError` where a support cannot hold it; it names the `field`."""
+        boundary_facets(self, support.where, f"{field}.where")
+        require_no_rotation(support, field)
+
+
+def on_axis(body: Body, places: Floats) -> Bools:
+    """Which places of shape (2, ...) lie on the axis of an axisymmetric body; else none."""
+    near = np.abs(places[0]) <= _NEAR * body.size
+    return np.asarray(near & body.axisymmetric)
+
+
+def _check_radii(body: Body) -> None:
+    mesh = body.mesh
+    curves = edge_curves(mesh, mesh.boundary_facets())
+    places = np.concatenate([vertices(mesh), curves.middle + curves.bulge], axis=1)
+    outside = np.flatnonzero(places[0] < -_NEAR * body.size)
+    if outside.size:
+        place = places[:, outside[np.argmin(places[0, outside])]]
+        raise InputError(
+            "Body.mesh",
+            float(place[0]),
+            f"a radius below 0, near ({place[0]:.6g}, {place[1]:.6g}): x is the radius r of an"
+            " axisymmetric body",
+            "give the half of the section at x >= 0, its axis at x = 0",
+        )
+
+
+def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> None:
+    if space.mesh is MeshTet1:
+        if type(mesh) is not MeshTet1:
+            raise InputError(
+                "Body.mesh",
+                type(mesh).__name__,
+                "only straight tetrahedra are taken in space",
+                "give a skfem.MeshTet, such as lacore.model.meshes.box makes",
+            )
+        check_tetrahedra(mesh, "Body.mesh")
+        return
+    if type(mesh) not in (space.mesh, space.curved):
+        triangles = space.mesh is MeshTri1
+        wanted = "straight-edged triangles" if triangles else "quadrilaterals"
+        fix = (
+            text("give a {}", _TRIANGLES)
+            if triangles
+            else text("give a {}, or another space", _QUADRILATERALS)
+        )
+        raise InputError(
+            "Body.mesh",
+            type(mesh).__name__,
+            f"only {wanted} are taken by the space {space.name!r}",
+            fix,
+        )
+    check_mesh(mesh, "Body.mesh")

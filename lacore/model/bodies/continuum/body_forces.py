@@ -1,0 +1,189 @@
+"""Forces per volume in the elements of a continuum, and on other meshes of its domain."""
+
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from skfem import MeshTri
+
+from lacore.model.bodies.continuum.regions.looking import looked_at
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.loads import Load
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting import terms
+from lacore.reporting.errors import InputError, suggest_all
+from lacore.reporting.showing import Compact
+from lacore.reporting.text import Term, text
+
+if TYPE_CHECKING:
+    from lacore.model.bodies.continuum.body import Body
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ForceField(Compact):
+    """A body force in the elements that it acts on.
+
+    Attributes:
+        elements: of the mesh, ascending, shape (e,).
+        vertex: values at the vertices of each element, from within it, N/m^3, shape (d, e, a).
+        linear: whether it is linear in each.
+    """
+
+    elements: Ints
+    vertex: Floats
+    linear: bool
+
+    @property
+    def mean(self) -> Floats:
+        """Means over elements in which it is linear, N/m^3, shape (d, e)."""
+        first = self.vertex[..., :1]
+        return np.asarray(first[..., 0] + (self.vertex - first).mean(axis=2))  # exact if uniform
+
+
+@dataclass(frozen=True, repr=False)
+class OfElements(Compact):
+    """A value for each triangle of a mesh, as a function of place.
+
+    Attributes:
+        mesh: straight-edged triangles.
+        values: shape (elements,).
+    """
+
+    mesh: MeshTri
+    values: tuple[float, ...]
+
+    def __call__(self, x: Floats) -> Floats:
+        """Values at places of shape (2, n) in the mesh, shape (n,)."""
+        corner = self.mesh.p[:, self.mesh.t]  # (2, 3, elements)
+        tree = shapely.STRtree(shapely.polygons(corner.transpose(2, 1, 0)))
+        return np.asarray(np.asarray(self.values)[tree.nearest(shapely.points(x.T))])
+
+
+def force_field(load: BodyForce, body: "Body", field: str) -> ForceField:
+    """A body force in the elements of a body.
+
+    Raises:
+        InputError: regions that the mesh lacks, functions that fail, values of other elements.
+    """
+    elements = elements_of(load, body, f"{field}.where")
+    count = body.mesh.nelements
+    found = []
+    for axis in range(body.dimension):
+
+        def along(places: Floats, parts: Ints, axis: int = axis) -> Floats:
+            return np.asarray(load.at(places, parts, count, field)[axis])
+
+        found.append(looked_at(along, body.mesh, elements))
+    linear = load.piecewise_uniform or all(own[2] for own in found)
+    return ForceField(elements, np.stack([own[1] for own in found]), linear)
+
+
+def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
+    """Elements that a body force acts on: all, or those of regions of the mesh, ascending.
+
+    Raises:
+        InputError: names that the mesh lacks.
+    """
+    if load.where is None:
+        return np.arange(body.mesh.nelements)
+    known = body.mesh.subdomains or {}
+    names = (load.where,) if isinstance(load.where, str) else load.where
+    for name in names:
+        if name not in known:
+            fix = suggest_all(str(name), known) if known else "the mesh has none: leave it out"
+            raise InputError(field, name, "no such region of the mesh", fix)
+    parts = [np.asarray(known[name], dtype=np.int64) for name in names]
+    return np.unique(np.concatenate(parts))
+
+
+def largest(load: BodyForce, body: "Body", field: str) -> float:
+    """Its largest size at the vertices of elements, N/m^3."""
+    vertex = force_field(load, body, field).vertex
+    return float(np.linalg.norm(vertex, axis=0).max(initial=0.0))
+
+
+@singledispatch
+def free_of_mesh(load: Load, body: "Body") -> Load:
+    """A load that does not know the mesh of its body: values of elements as a function of place."""
+    return load
+
+
+@free_of_mesh.register(BodyForce)
+def _of_place(load: BodyForce, body: "Body") -> BodyForce:
+    if not load.by_elements:
+        return load
+    return load.changed(lambda values: OfElements(body.mesh, values))
+
+
+@singledispatch
+def require_linear(load: Load, body: "Body", field: str) -> None:
+    """Raise `InputError` where a body force is not linear in each element of a body."""
+
+
+@require_linear.register(BodyForce)
+def _linear(load: BodyForce, body: "Body", field: str) -> None:
+    if not force_field(load, body, field).linear:
+        raise InputError(
+            field,
+            load.told,
+            "is not linear in each element: a bound would have to know all of it there",
+            text(
+                "let edges of the mesh follow its jumps and bends, as {} does; {}or take {}",
+                terms.LAYERED,
+                Term(
+                    "take for the force what is uniform in each element,"
+                    " force(mesh.p[:, mesh.t].mean(axis=1)); ",
+                    "",
+                ),
+                terms.SOLVE,
+            ),
+        )
+
+
+@singledispatch
+def linear(load: Load, body: "Body") -> bool:
+    """Whether a load is linear in each element of a body, so that its power is exact."""
+    return True
+
+
+@linear.register(BodyForce)
+def _known(load: BodyForce, body: "Body") -> bool:
+    return force_field(load, body, "BodyForce").linear
+
+
+@singledispatch
+def require_carried(load: Load, body: "Body", field: str) -> None:
+    """Raise `InputError` where no stresses of the elements of a body balance a load."""
+
+
+@require_carried.register(BodyForce)
+def _carried(load: BodyForce, body: "Body", field: str) -> None:
+    if body.dimension == 3 and not load.piecewise_uniform:
+        raise InputError(
+            field,
+            load.told,
+            "varies within elements: lower bounds in space take forces that are uniform in each",
+            text(
+                "{}",
+                Term(
+                    "give a value for each element, force(mesh.p[:, mesh.t].mean(axis=1)); or take"
+                    " `upper_bound`, which is exact of what is linear in each",
+                    "give a number, or take `lacore solve` without --bracket",
+                ),
+            ),
+        )
+
+
+@singledispatch
+def at_vertices(load: Load, body: "Body", field: str) -> Floats:
+    """Forces per volume at the vertices of all elements, from within, N/m^3, shape (d, e, a)."""
+    return np.zeros((body.dimension, *body.mesh.t.T.shape))
+
+
+@at_vertices.register(BodyForce)
+def _in_volume(load: BodyForce, body: "Body", field: str) -> Floats:
+    found, own = np.zeros((body.dimension, *body.mesh.t.T.shape)), force_field(load, body, field)
+    found[:, own.elements] = own.vertex
+    return found

@@ -1,0 +1,129 @@
+"""From a name or a predicate on coordinates to boundary facets."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lacore.model.bodies.continuum.solid.faces import face_geometry
+from lacore.model.bodies.touching import TOUCH
+from lacore.model.conditions.where import Where, edges_inside
+from lacore.model.meshes.curved import edge_curves, vertices
+from lacore.model.meshes.solid.faces import selected_faces
+from lacore.numerics.arrays import Bools, Floats, Ints
+from lacore.reporting.errors import InputError, is_plane_vector, require_place, suggest_all
+from lacore.reporting.showing import spanned
+from lacore.reporting.text import Quantity, text
+
+if TYPE_CHECKING:
+    from lacore.model.bodies.continuum.body import Body
+
+_UNNAMED = (
+    "none is known: name boundaries by mesh.with_boundaries or by physical groups, or give a"
+    " function of coordinates (d, n)"
+)
+
+
+def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
+    """Facets of the part `where` of the boundary of `body`, sorted.
+
+    A name selects the facets that the mesh gives under it. A predicate gets coordinates of shape
+    (d, n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
+    length, in space all over; it must not end inside a facet (the velocity would have a jump there
+    that the space cannot follow).
+
+    Raises:
+        InputError: unknown name, nothing selected, an interior facet, a predicate that ends
+            inside a facet.
+    """
+    mesh = body.mesh
+    if isinstance(where, str):
+        named = mesh.boundaries or {}
+        if where not in named:
+            fix = suggest_all(where, named) if named else _UNNAMED
+            raise InputError(field, where, "no such boundary", fix)
+        facets = np.unique(np.asarray(named[where], dtype=np.int64))
+        if np.any(mesh.f2t[1, facets] >= 0):
+            raise InputError(
+                field, where, "holds facets inside the body", "name facets of the boundary only"
+            )
+    elif callable(where):
+        facets = _selected(body, where, field)
+    else:
+        raise InputError(
+            field,
+            where,
+            "not a boundary",
+            "give a boundary name or a function of coordinates (d, n)",
+        )
+    if facets.size == 0:
+        shown = where if isinstance(where, str) else None
+        fix = text("select at least one boundary facet: the mesh lies in {}", spanned(*body.box))
+        raise InputError(field, shown, "an empty boundary", fix)
+    return facets
+
+
+def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Ints:
+    mesh = body.mesh
+    if body.dimension == 3:
+        return selected_faces(mesh, where, field)
+    boundary = mesh.boundary_facets()
+    curves = edge_curves(mesh, boundary)
+    start, end = curves.start, curves.end
+    whole, cut = edges_inside(where, start, end, field, curves.middle)
+    if cut.size:
+        first = cut[0]
+        raise InputError(
+            field,
+            None,
+            text(
+                "it ends inside the element edge from {} to {} (at a midside node or "
+                "elsewhere between vertices)",
+                Quantity(tuple(start[:, first]), "m", ".6g"),
+                Quantity(tuple(end[:, first]), "m", ".6g"),
+            ),
+            "put a vertex of the mesh where it ends",
+        )
+    return np.asarray(boundary[whole], dtype=np.int64)
+
+
+def outward_normals(body: "Body", facets: Ints, s: float) -> Floats:
+    """Unit outward normals of boundary facets at a share of their parameter, shape (d, n)."""
+    if body.dimension == 3:
+        return face_geometry(body.mesh, facets)[1]
+    *_, outward = facet_geometry(body, facets)
+    return edge_curves(body.mesh, facets).normal(s, outward)
+
+
+def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
+    """Ends and unit outward normals of (chords of) boundary facets: three arrays (2, n)."""
+    mesh = body.mesh
+    start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
+    along = end - start
+    normal = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
+    centre = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
+    outward = np.sign(np.sum(normal * (start - centre), axis=0))
+    return start, end, normal * outward
+
+
+def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
+    """Index of the mesh vertex at a point; raises `InputError` where there is none."""
+    if body.dimension == 3:
+        why = "no single force acts on a body of tetrahedra"
+        raise InputError(where, at, why, "give a lacore.Traction on some of its faces")
+    if isinstance(at, str):
+        raise InputError(where, at, "a continuum has no named points", "give (x, y)")
+    if not is_plane_vector(at):
+        raise InputError(where, at, "not a point", "give (x, y)")
+    require_place(where, at)
+    places = vertices(body.mesh)
+    distance = np.linalg.norm(places - np.reshape(at, (-1, 1)), axis=0)
+    nearest = int(np.argmin(distance))
+    if distance[nearest] > TOUCH * body.size:
+        raise InputError(
+            where,
+            at,
+            "no vertex of the mesh is there",
+            f"move it to the nearest one, {tuple(places[:, nearest].tolist())}, or the mesh",
+        )
+    return nearest

@@ -1,0 +1,210 @@
+"""Numbering of the velocity unknowns of all bodies."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from skfem import Basis
+
+from lacore.model.bodies.continuum.body import Body, on_axis
+from lacore.model.bodies.continuum.loaded import area, facets_of, force
+from lacore.model.bodies.continuum.plasticity import plasticity
+from lacore.model.bodies.continuum.solid.faces import face_nodes
+from lacore.model.bodies.continuum.spaces import VelocitySpace, spaces_of
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.loads import Load
+from lacore.model.meshes.curved import EdgeCurves, edge_curves, is_curved
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import DissipationGroup
+from lacore.reporting.showing import Compact
+
+_ROUND_OFF = 1e-13  # of a shape function
+
+
+@dataclass(frozen=True, repr=False)
+class BodyDofs(Compact):
+    """Where a body's velocity stands in the vector of all unknowns.
+
+    Attributes:
+        body: the body.
+        nodes: coordinates of its nodes, shape (d, nodes): vertices, then edge midpoints, then
+            centres; where velocities jump, those of the first element, then of the second, ...
+        dofs: unknowns (x, y), in space (x, y, z), of each node, shape (d, nodes).
+        element_nodes: its nodes by element, vertices, then edges, shape (a, elements).
+        first_node: number of the body's first node among those of all bodies.
+        basis: scikit-fem basis at the strain points; its dofs start at `offset`.
+        offset: number of the body's first unknown.
+    """
+
+    body: Body
+    nodes: Floats
+    dofs: Ints
+    element_nodes: Ints
+    first_node: int
+    basis: Basis
+    offset: int
+
+    @property
+    def space(self) -> VelocitySpace:
+        """The velocity space."""
+        return spaces_of(self.body.kinematics)[self.body.space]
+
+    @classmethod
+    def at(cls, body: Body, offset: int) -> "BodyDofs":
+        """The unknowns of a body from a number on; before it stand nodes of as many each."""
+        basis, d = spaces_of(body.kinematics)[body.space].basis(body.mesh), body.dimension
+        # scikit-fem numbers the components of a node one after the other.
+        return cls(
+            body=body,
+            nodes=basis.doflocs[:, ::d],
+            dofs=offset + np.arange(basis.N, dtype=np.int64).reshape(-1, d).T,
+            element_nodes=basis.element_dofs[::d].astype(np.int64) // d,
+            first_node=offset // d,
+            basis=basis,
+            offset=offset,
+        )
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns."""
+        return int(self.dofs.size)
+
+    @property
+    def bent(self) -> bool:
+        """Whether edges are curves."""
+        return is_curved(self.body.mesh)
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether it is a body of revolution."""
+        return self.body.axisymmetric
+
+    @property
+    def pieces_of_unknowns(self) -> Ints:
+        """One piece: shape (count,)."""
+        return np.zeros(self.count, dtype=np.int64)
+
+    def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
+        """What straining dissipates at its points, over n unknowns; jumps are other groups."""
+        return plasticity(name, self, n)
+
+    def force(self, load: Load) -> Floats:
+        """Nodal forces of a load, shape (count,), N/m."""
+        return force(load, self)
+
+    def area(self, footing: Footing) -> float:
+        """Of what a footing touches, m^2; m per unit thickness."""
+        return area(self, facets_of(footing, self.body))
+
+    def thickness(self, places: Floats) -> Floats:
+        """See `Body.thickness`."""
+        return self.body.thickness(places)
+
+    @property
+    def degree(self) -> int:
+        """Of the velocity along an edge."""
+        return self.space.degree
+
+    @property
+    def linear(self) -> bool:
+        """Whether strain rates are linear in each element, see `VelocitySpace.linear`."""
+        straight = self.space.linear and not is_curved(self.body.mesh)
+        return straight and not self.body.axisymmetric
+
+    @property
+    def strength(self) -> float:
+        """Largest shear stress that it can carry, Pa: of what has friction, any."""
+        return self.body.largest_shear
+
+    @property
+    def extent(self) -> float:
+        """Area, m^2."""
+        return float(self.areas.sum())
+
+    @property
+    def areas(self) -> Floats:
+        """Areas of the elements, shape (elements,), m^2."""
+        return np.asarray(self.basis.dx.sum(axis=1))
+
+    @property
+    def volumes(self) -> Floats:
+        """Volumes of the elements, shape (elements,), m^3; m^2 per unit thickness."""
+        return np.asarray(self.weights.sum(axis=1))
+
+    @property
+    def axis_nodes(self) -> Ints:
+        """Nodes of an axisymmetric body on its axis, numbered among those of all bodies."""
+        return self.first_node + np.flatnonzero(on_axis(self.body, self.nodes))
+
+    @property
+    def weights(self) -> Floats:
+        """Volumes of the strain points, shape (elements, q), m^3; m^2 per unit thickness."""
+        places = np.asarray(self.basis.global_coordinates())
+        return np.asarray(self.basis.dx * self.body.thickness(places))
+
+    @property
+    def normal_flow(self) -> bool:
+        """Whether velocities jump, and normal ones do not by construction: not of soil (T90)."""
+        return self.body.dimension == 3 and self.space.jumps and not self.body.pressure_dependent
+
+    def parts(self, facets: Ints) -> Ints:
+        """The facets themselves: velocities differ from one to the next."""
+        return facets
+
+    def moving(self, facets: Ints) -> Ints:
+        """What moves continuously: all of the body is one, or each element for itself."""
+        return self.body.mesh.f2t[0, facets] if self.space.jumps else np.zeros_like(facets)
+
+    def curves(self, facets: Ints) -> EdgeCurves:
+        """The facets as curves."""
+        return edge_curves(self.body.mesh, facets)
+
+    def velocity_rows(self, facets: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
+        """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n).
+
+        On a curved edge at the place that lies across its chord from the point.
+        """
+        nodes = self.facet_nodes(facets)
+        shape = edge_shapes(self.curves(facets).parameter(points), self.degree)
+        kept = np.abs(shape) >= _ROUND_OFF
+        first = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
+        x, y = (
+            csr_matrix((shape[kept], self.dofs[axis, nodes].T[kept], first), (facets.size, n))
+            for axis in (0, 1)
+        )
+        return x, y
+
+    def facet_nodes(self, facets: Ints, side: int = 0) -> Ints:
+        """Nodes (start, end) or (start, midpoint, end) on facets, shape (degree + 1, n).
+
+        In space the vertices, and then the midpoints of edges, see `face_nodes`.
+
+        Args:
+            facets: of the mesh.
+            side: of which of the two elements at a facet; a boundary facet has only 0.
+        """
+        mesh = self.body.mesh
+        if self.body.dimension == 3:
+            return face_nodes(mesh, self.element_nodes, self.degree, facets, side)
+        element = mesh.f2t[side, facets]
+        corners = len(mesh.t)
+
+        def local(numbers: Ints, wanted: Ints) -> Ints:
+            return np.asarray(np.argmax(numbers[:, element] == wanted, axis=0))
+
+        nodes = [local(mesh.t, end) for end in mesh.facets[:, facets]]
+        if self.degree == 2:
+            nodes.insert(1, corners + local(mesh.t2f, facets))
+        return np.asarray(self.element_nodes[np.stack(nodes), element])
+
+    def vertex_nodes(self, vertex: int) -> Ints:
+        """The nodes at a vertex of the mesh: one, or one in each element."""
+        mesh = self.body.mesh
+        return np.unique(self.element_nodes[: len(mesh.t)][mesh.t == vertex])
+
+
+def edge_shapes(s: Floats, degree: int) -> Floats:
+    """Shape functions of nodes along an edge at shares `s` of its length, (s, degree + 1)."""
+    if degree == 1:
+        return np.stack([1 - s, s], axis=1)
+    return np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)

@@ -1,0 +1,105 @@
+"""What straining a body dissipates, as rows of the program (T6): a group for each region."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.continuum.regions.varying import Varying
+from lacore.model.bodies.continuum.volume import conditions, volumetric_rows
+from lacore.model.materials.fields import Field
+from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.program.kinematic import DissipationGroup
+from lacore.program.surfaces import Surfaces
+from lacore.reporting.errors import InputError
+
+if TYPE_CHECKING:
+    from lacore.model.bodies.continuum.dofs import BodyDofs
+
+
+def vertex_rule(vertices: int) -> Floats:
+    """Strengths that the vertex rule takes at vertices, from those there (T85), square."""
+    return np.asarray((np.eye(vertices) + 1) / (vertices + 1))
+
+
+def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, ...]:
+    """Dissipation at the strain points of the regions of a body, over n unknowns (T6)."""
+    basis = dofs.basis
+    gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
+    rates = [gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]]
+    if dofs.body.dimension == 3:
+        rates.insert(2, gradient[2, 2])
+        rates += [gradient[1, 2] + gradient[2, 1], gradient[2, 0] + gradient[0, 2]]
+    if dofs.body.axisymmetric:  # strain points lie off the axis
+        radial = np.stack([np.asarray(shape[0])[0] for shape in basis.basis], axis=-1)
+        radius = np.asarray(basis.global_coordinates())[0]
+        rates.insert(2, radial / radius[:, :, None])
+    strain = np.stack(rates, axis=2)
+    # strain: (elements, points, components, shapes)
+    columns = basis.element_dofs.T.astype(np.int64) + dofs.offset
+
+    def rows(coefficients: Floats, elements: Ints) -> Sparse:
+        values = np.einsum("rs,epsi->epri", coefficients, strain[elements])
+        count = int(np.prod(values.shape[:3]))
+        indices = np.broadcast_to(columns[elements][:, None, None, :], values.shape)
+        start = np.arange(count + 1) * values.shape[3]
+        return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
+
+    groups = []
+    for region in dofs.body.regions:
+        form = region.form
+        bound, surfaces = at_strain_points(dofs, region)
+        group = DissipationGroup(
+            name=region.group_name(name),
+            rows=rows(form.rows, region.elements),
+            dim=form.rows.shape[0],
+            weights=dofs.weights[region.elements].ravel(),
+            bound=bound,
+            volumetric=volumetric_rows(dofs, region, rows),
+            volumetric_factor=form.volumetric_factor,
+            surfaces=surfaces,
+            conditions=conditions(dofs, region),
+        )
+        groups.append(group)
+    return tuple(groups)
+
+
+def at_strain_points(dofs: "BodyDofs", region: Region) -> tuple[Floats, Surfaces | None]:
+    """Strengths at the strain points of a region: see `Region.strengths`.
+
+    Of a strict space such that its rule is above the dissipation of strengths that vary; elsewhere
+    those at the points.
+    """
+    count = dofs.weights.shape[1]
+
+    def values(own: Field) -> Floats:
+        varies = region.of(own)
+        if not callable(own.values):
+            listed = own.values.reshape(len(own.values), -1)[region.elements]
+            if listed.shape[1] not in (1, count):
+                raise InputError(
+                    "Body.criterion",
+                    own.values.shape,
+                    f"values at {listed.shape[1]} points of each element, and the space"
+                    f" {dofs.space.name!r} has {count}",
+                    "give one value for each element",
+                )
+            return np.broadcast_to(listed, (region.elements.size, count)).ravel()
+        if dofs.space.strict and dofs.linear:
+            return by_rule(varies, count).ravel()
+        places = np.asarray(dofs.basis.global_coordinates())[:, region.elements]
+        return own.at(places.reshape(len(places), -1), "Body.criterion")
+
+    return region.strengths(np.repeat(region.elements, count), values)
+
+
+def by_rule(varies: Varying, points: int) -> Floats:
+    """Strengths of the rule of one point of an element or of its vertices, (elements, points), Pa.
+
+    Of what is not known between places those there, which prove nothing.
+    """
+    vertex = varies.above_if_known()
+    if points == 1:
+        return np.asarray(vertex.mean(axis=1, keepdims=True))
+    return np.asarray(vertex @ vertex_rule(points) if varies.linear else vertex)

@@ -1,0 +1,133 @@
+"""Strengths that vary, in the elements of a region: looked at from within each.
+
+Known at the vertices of each element: exactly where they are linear there, else by their largest
+slope from below and from above.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from skfem import Mesh
+from skfem.mesh import MeshTet1, MeshTri1
+
+from lacore.model.bodies.continuum.regions.looking import looked_at
+from lacore.model.materials.fields import Bending, Field
+from lacore.model.meshes.curved import vertices
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact, placed
+from lacore.reporting.text import Quantity, text
+
+_STEEPER = 1e-9  # of a slope: round-off
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Varying(Compact):
+    """A `Field` in the elements of a region, without its factor.
+
+    Attributes:
+        vertex: values at the vertices of each element, from within it, shape (elements, a), Pa.
+        least, greatest: in each element, shape (elements,), Pa; None: not known.
+        linear: whether it is linear in each element.
+    """
+
+    vertex: Floats
+    least: Floats | None
+    greatest: Floats | None
+    linear: bool
+
+    def below(self) -> Floats:
+        """Values at vertices between which it is nowhere less, shape (elements, a), Pa."""
+        return self._bounding(self.least)
+
+    def above(self) -> Floats:
+        """Values at vertices between which it is nowhere more, shape (elements, a), Pa."""
+        return self._bounding(self.greatest)
+
+    def limits(self) -> tuple[Floats, Floats]:
+        """Least and greatest in each element, (elements,); at its vertices, if not known."""
+        if self.linear or self.least is None or self.greatest is None:
+            return self.vertex.min(axis=1), self.vertex.max(axis=1)
+        return self.least, self.greatest
+
+    def above_if_known(self) -> Floats:
+        """As `above`; where a slope is not known the values at vertices, which prove nothing."""
+        known = self.linear or self.greatest is not None
+        return self.above() if known else self.vertex
+
+    def _bounding(self, limit: Floats | None) -> Floats:
+        if self.linear:
+            return self.vertex
+        if limit is None:
+            raise ValueError("what varies without a known slope bounds nothing")
+        return np.broadcast_to(limit[:, None], self.vertex.shape)
+
+
+def in_elements(place: str, own: Field, mesh: Mesh, elements: Ints, positive: bool) -> Varying:
+    """A field in elements of a mesh, checked."""
+    if callable(own.values):
+        found = _function(place, own, mesh, elements)
+    else:
+        found = _listed(place, own.values, mesh, elements)
+    if positive and not found.vertex.min() > 0:
+        element, corner = np.unravel_index(int(found.vertex.argmin()), found.vertex.shape)
+        place_of = placed(vertices(mesh)[:, mesh.t[corner, elements[element]]])
+        raise InputError(
+            place,
+            float(found.vertex[element, corner]),
+            f"no strength at {place_of}, and no friction either",
+            "let it be positive in all of the region",
+        )
+    return found
+
+
+def _listed(place: str, values: Floats, mesh: Mesh, elements: Ints) -> Varying:
+    if len(values) != mesh.nelements:
+        raise InputError(
+            place,
+            f"{len(values)} values",
+            f"the mesh has {mesh.nelements} elements",
+            "give one for each element of the mesh, whatever its region",
+        )
+    own = values[elements].reshape(elements.size, -1)
+    low, high = own.min(axis=1), own.max(axis=1)
+    mean = np.repeat(own.mean(axis=1)[:, None], len(mesh.t), axis=1)
+    return Varying(mean, low, high, linear=own.shape[1] == 1)
+
+
+def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
+    def at(places: Floats, _: Ints) -> Floats:
+        return own.at(places, place)
+
+    values, vertex, linear = looked_at(at, mesh, elements)
+    if not isinstance(mesh, MeshTri1 | MeshTet1):
+        return Varying(vertex, None, None, linear)
+    vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
+    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (d, a, e)
+    if own.steepest is None or (linear and _straight(own.values, corner)):
+        return Varying(vertex, None, None, linear)
+    centre = corner.mean(axis=1)
+    radius = np.linalg.norm(corner - centre[:, None], axis=0).max(axis=0)
+    at_centre = own.at(centre, place)
+    room = own.steepest * radius
+    most = np.maximum(at_centre + room, values.max(axis=1))
+    steep = np.abs(values - at_centre[:, None]) > (1 + _STEEPER) * room[:, None]
+    if steep.any():
+        element = int(np.flatnonzero(steep.any(axis=1))[0])
+        raise InputError(
+            f"{place}.steepest",
+            own.steepest,
+            text(
+                "the function is steeper near {}", Quantity(tuple(centre[:, element]), "m", ".6g")
+            ),
+            "give its largest slope; where it jumps let edges of the mesh follow",
+        )
+    # It may be uneven between the places looked at, as far as that slope: never taken for linear.
+    return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear=False)
+
+
+def _straight(function: object, corner: Floats) -> bool:
+    """Whether a function says that it bends in no element, by corners of shape (d, a, e)."""
+    if not isinstance(function, Bending):
+        return False
+    return not function.bends(corner.min(axis=1), corner.max(axis=1)).any()

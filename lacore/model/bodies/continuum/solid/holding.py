@@ -1,0 +1,259 @@
+"""What supports and footings hold of bodies of tetrahedra, and what they leave free (T90)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import block_diag, csr_matrix, eye_array, hstack, vstack
+
+from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.boundaries import boundary_facets
+from lacore.model.bodies.continuum.dofs import BodyDofs
+from lacore.model.bodies.continuum.solid.faces import face_geometry
+from lacore.model.bodies.continuum.solid.held_nodes import flowing_between_nodes
+from lacore.model.bodies.continuum.solid.normal_flow import flowing, nodes_of_faces
+from lacore.model.conditions.elimination import NodeConditions
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.loads import Fix
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import Compact
+
+_ALONG = 1e-9  # sine: directions along or across a face, up to the round-off of its corners
+
+
+@dataclass(frozen=True, repr=False)
+class HeldFaces(Compact):
+    """Faces of a body that supports and footings hold, each by one of them.
+
+    Attributes:
+        facets: of its mesh, shape (e,).
+        normal: outward unit normals, shape (3, e).
+        footing: number of the footing that holds each, -1 of supports, shape (e,).
+        motion: velocity of what holds, per each speed of the footings, at the control values of
+            the faces, shape (s, 3, e, copies); of supports 0.
+        holds_normal: whether it holds the normal velocity, shape (e,).
+        along: orthonormal directions in each face that it holds, 0 for none, shape (2, 3, e).
+    """
+
+    facets: Ints
+    normal: Floats
+    footing: Ints
+    motion: Floats
+    holds_normal: Bools
+    along: Floats
+
+    @property
+    def sticking(self) -> Bools:
+        """Faces along which something is held, shape (e,)."""
+        return np.asarray(np.any(self.along, axis=(0, 1)))
+
+    @property
+    def altogether(self) -> Bools:
+        """Faces held in all directions, shape (e,)."""
+        return np.asarray(self.holds_normal & np.any(self.along, axis=1).all(axis=0))
+
+    @property
+    def directions(self) -> Floats:
+        """Orthonormal directions in which faces are held, 0 for none, shape (3, 3, e)."""
+        return np.concatenate([self.along, [self.normal * self.holds_normal]])
+
+    def kept(self, mask: Bools) -> "HeldFaces":
+        """Those of a mask of shape (e,)."""
+        return HeldFaces(
+            self.facets[mask],
+            self.normal[:, mask],
+            self.footing[mask],
+            self.motion[:, :, mask],
+            self.holds_normal[mask],
+            self.along[:, :, mask],
+        )
+
+
+def face_conditions(
+    body: Body, supports: Sequence[Fix], footings: Sequence[Footing], name: str
+) -> NodeConditions:
+    """Conditions of all that holds a body, on its faces in place of nodes, directions (c, 3).
+
+    Without factors, which differ from place to place: see `RigidFooting.motion`.
+    """
+    parts = [_none()]
+    for support in supports:
+        if support.body == name:
+            facets = boundary_facets(body, support.where, "Fix.where")
+            _, outward = face_geometry(body.mesh, facets)
+            for direction in _directions(support, outward.T):
+                parts.append(_held(facets, direction))
+    for number, footing in enumerate(footings):
+        if footing.body == name:
+            facets = boundary_facets(body, footing.where, "RigidFooting.where")
+            _, outward = face_geometry(body.mesh, facets)
+            for direction in footing.held(outward.T):
+                parts.append(_held(facets, direction, number))
+    return _joined(parts)
+
+
+def slid_past(
+    dofs: BodyDofs, supports: Sequence[Fix], footings: Sequence[Footing], name: str
+) -> HeldFaces:
+    """The faces of a body whose velocities jump that it may move past what holds them.
+
+    Of soil, which opens as it slips, those that are held altogether; it sticks to others.
+
+    Raises:
+        InputError: see `held_faces`.
+    """
+    asked = face_conditions(dofs.body, supports, footings, name)
+    held = held_faces(dofs, asked, footings)
+    return held if dofs.normal_flow else held.kept(held.altogether)
+
+
+def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing]) -> HeldFaces:
+    """Faces that conditions hold, see `face_conditions`.
+
+    Args:
+        dofs: of the body.
+        asked: on faces.
+        footings: by whose numbers conditions are asked.
+
+    Raises:
+        InputError: a face held by two, or in a direction that is neither along nor across it.
+    """
+    facets, at = np.unique(asked.nodes, return_inverse=True)
+    owner = np.full(facets.size, -1)
+    np.maximum.at(owner, at, asked.footing)
+    both = np.flatnonzero(asked.footing != owner[at])
+    if both.size:
+        raise InputError(
+            "RigidFooting",
+            None,
+            "a support, or another footing, holds a face under it",
+            "end one where the other begins",
+        )
+    _, normal = face_geometry(dofs.body.mesh, facets)
+    gram = np.zeros((facets.size, 3, 3))
+    np.add.at(gram, at, asked.directions[:, :, None] * asked.directions[:, None, :])
+    n = normal.T
+    pressing = np.einsum("eij,ej->ei", gram, n)
+    across = np.sum(pressing * n, axis=1)
+    oblique = np.linalg.norm(pressing - across[:, None] * n, axis=1) > _ALONG
+    if oblique.any():
+        raise InputError(
+            "Fix.components",
+            None,
+            "holds a face in a direction that is neither along nor across it: where velocities"
+            " jump in space, normal ones are unknowns of their own (T90)",
+            "take 'normal', 'xyz', or the space 'p2-vertex'",
+        )
+    size, axes = np.linalg.eigh(gram - across[:, None, None] * n[:, :, None] * n[:, None, :])
+    along = np.where(size[:, None, 1:] > _ALONG, axes[:, :, 1:], 0.0)  # the largest two of three
+    places = face_places(dofs, facets)
+    motion = np.zeros((len(_speeds(footings)), *places.shape))
+    for row, (number, footing, speed) in enumerate(_speeds(footings)):
+        mine = owner == number
+        motion[row][:, mine] = footing.motion(places[:, mine], speed)
+    return HeldFaces(facets, normal, owner, motion, across > _ALONG, along.transpose(2, 1, 0))
+
+
+def face_places(dofs: BodyDofs, facets: Ints) -> Floats:
+    """Coordinates of the nodes of faces, shape (3, e, nodes of a face), m.
+
+    What is linear on a face has its control values there, too.
+    """
+    return np.asarray(dofs.nodes[:, dofs.facet_nodes(facets)].transpose(0, 2, 1))
+
+
+def solid_free_basis(
+    bodies: Mapping[str, BodyDofs],
+    supports: Sequence[Fix],
+    footings: Sequence[Footing],
+) -> tuple[Sparse, Bools]:
+    """All velocities of bodies and speeds of footings from the free ones, and which nodes are held.
+
+    Returns:
+        Matrix of shape (3 nodes + footings, free), the speeds last; mask of shape (nodes,).
+
+    Raises:
+        InputError: a footing that cannot move, faces held by two.
+    """
+    free, driven, touched = [], [], []
+    for name, dofs in bodies.items():
+        asked = face_conditions(dofs.body, supports, footings, name)
+        nodes = dofs.facet_nodes(asked.nodes)
+        if dofs.normal_flow:
+            own = held_faces(dofs, asked, footings)
+            holds_normal = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
+            holds_normal[own.facets] = own.holds_normal
+            carried = np.zeros((holds_normal.size, nodes_of_faces(dofs), len(own.motion)))
+            # Of normals as the mesh has them, out of the first element: of these faces the only.
+            carried[own.facets] = np.einsum("xe,sxen->ens", own.normal, own.motion)
+            parts = flowing(dofs, holds_normal, carried)
+        else:
+            stuck = np.ones(asked.nodes.size, dtype=bool)
+            if dofs.space.jumps:
+                past = slid_past(dofs, supports, footings, name).facets
+                stuck = ~np.isin(asked.nodes, past)
+            at = nodes[:, stuck].ravel()
+            directions = np.tile(asked.directions[stuck], (len(nodes), 1))
+            owner = np.tile(asked.footing[stuck], len(nodes))
+            wanted = moved_along(directions, owner, dofs.nodes[:, at], footings)
+            node_dofs = dofs.dofs - dofs.offset
+            parts = flowing_between_nodes(at, directions, wanted, node_dofs, speed_names(footings))
+        free.append(parts[0])
+        driven.append(parts[1])
+        touched.append(np.isin(np.arange(dofs.nodes.shape[1]), nodes))
+    first = vstack([hstack([block_diag(free, format="csr"), vstack(driven)])])
+    count = len(_speeds(footings))
+    speeds = hstack([csr_matrix((count, first.shape[1] - count)), eye_array(count, format="csr")])
+    return csr_matrix(vstack([first, speeds], format="csr")), np.concatenate(touched)
+
+
+def moved_along(
+    directions: Floats, owner: Ints, places: Floats, footings: Sequence[Footing]
+) -> Floats:
+    """Velocity along directions (c, 3) at places (3, c) per speed of what holds, shape (c, s)."""
+    own = _speeds(footings)
+    wanted = np.zeros((owner.size, len(own)))
+    for column, (number, footing, speed) in enumerate(own):
+        mine = owner == number
+        wanted[mine, column] = np.sum(
+            directions[mine].T * footing.motion(places[:, mine], speed), axis=0
+        )
+    return wanted
+
+
+def speed_names(footings: Sequence[Footing]) -> list[str]:
+    """For messages: that of its footing for each speed."""
+    return [footing.name for _, footing, _ in _speeds(footings)]
+
+
+def _speeds(footings: Sequence[Footing]) -> list[tuple[int, Footing, int]]:
+    """Numbers of footings, these, and numbers of speeds of each: one for each speed of all."""
+    return [
+        (number, footing, speed)
+        for number, footing in enumerate(footings)
+        for speed in range(footing.speeds)
+    ]
+
+
+def _directions(support: Fix, outward: Floats) -> list[Floats]:
+    """Directions that a support holds at faces with outward normals of shape (e, 3)."""
+    if support.components == "normal":
+        return [outward]
+    axes = ["xyz".index(letter) for letter in support.components]
+    return [np.broadcast_to(np.eye(3)[axis], outward.shape) for axis in axes]
+
+
+def _held(facets: Ints, directions: Floats, owner: int = -1) -> NodeConditions:
+    return NodeConditions(facets, directions, np.full(facets.size, owner), np.zeros(facets.size))
+
+
+def _none() -> NodeConditions:
+    return _held(np.zeros(0, dtype=np.int64), np.zeros((0, 3)))
+
+
+def _joined(parts: Sequence[NodeConditions]) -> NodeConditions:
+    names = ("nodes", "directions", "footing", "factors")
+    return NodeConditions(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in names)
+    )

@@ -1,0 +1,238 @@
+"""In what theta must vanish: as many conditions of volume as elements can bear (T24, T27).
+
+A projection of theta at the strain points, orthogonal in their weights, so that mean stresses are
+projected by it too: what it takes away does no work. Of quadrilaterals it leaves bilinear
+functions. Of triangles all, but at crossings: where the edges at a vertex of four triangles lie on
+two straight lines, the gradients of a continuous velocity make
+``theta_1 - theta_2 + theta_3 - theta_4 = 0`` there by themselves: of the twelve conditions of four
+straight triangles in the plane one says nothing. With curved edges, or with the hoop strain rate at
+interior points, it says almost nothing, but not nothing: a constraint without a meaning in the
+continuum, whose multiplier has no bound under refinement. It is taken away.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
+
+from lacore.model.bodies.continuum.regions.region import Region
+from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+
+if TYPE_CHECKING:
+    from lacore.model.bodies.continuum.dofs import BodyDofs
+
+
+def volumetric_rows(
+    dofs: "BodyDofs", region: Region, rows: Callable[[Floats, Ints], Sparse]
+) -> Sparse:
+    """Volumetric rows of a region, those that must vanish projected, shape (m L, n).
+
+    Args:
+        dofs: of the body.
+        region: of it.
+        rows: of coefficients (r, components) in elements, r a strain point.
+    """
+    form, projected = region.form, _projected(dofs, region)
+    if not projected.any():
+        return rows(form.volumes, region.elements)
+    points, projector = _points(dofs, region), volume_projector(dofs)
+    every = np.arange(dofs.body.mesh.nelements)
+    parts = [
+        csr_matrix(projector[points] @ rows(row[None], every))
+        if own
+        else rows(row[None], region.elements)
+        for row, own in zip(form.volumes, projected, strict=True)
+    ]
+    order = np.arange(points.size * len(parts)).reshape(len(parts), -1).T.ravel()
+    return csr_matrix(vstack(parts, format="csr")[order])
+
+
+def conditions(dofs: "BodyDofs", region: Region) -> Sparse | None:
+    """Conditions of a region that do not depend on each other, (k, m); None: all its rows.
+
+    See `lacore.program.dissipation.DissipationGroup.conditions`. Those of the rows of surfaces are
+    equations of each point with multipliers of its own.
+    """
+    if region.form.surfaces or not (dofs.space.pressures is not None or _crossed(dofs)):
+        return None
+    points = _points(dofs, region)
+    place = np.full(dofs.weights.size, -1)
+    place[points] = np.arange(points.size)
+    at, blocks = _bases(dofs)
+    at = place[at]
+    whole = (at >= 0).all(axis=1)
+    if not whole.any():
+        return None
+    at, blocks = at[whole], blocks[whole]
+    left = np.setdiff1d(np.arange(points.size), at)
+    count, rows = blocks.shape[:2]
+    row = np.broadcast_to(np.arange(count * rows).reshape(count, rows, 1), blocks.shape)
+    column = np.broadcast_to(at[:, None, :], blocks.shape)
+    entries = np.concatenate([blocks.ravel(), np.ones(left.size)])
+    every = np.concatenate([row.ravel(), count * rows + np.arange(left.size)])
+    places = every, np.concatenate([column.ravel(), left])
+    found = csr_matrix((entries, places), (count * rows + left.size, points.size))
+    found.eliminate_zeros()
+    return found
+
+
+def _bases(dofs: "BodyDofs") -> tuple[Ints, Floats]:
+    """Strain points of each projection, (b, r), and an orthonormal basis of it, (b, k, r).
+
+    Of theta times roots of weights, as `volume_projector` is orthogonal then.
+    """
+    count, roots = dofs.weights.shape[1], np.sqrt(dofs.weights)
+    if dofs.space.pressures is not None:
+        own = np.arange(dofs.weights.size).reshape(-1, count)
+        basis = np.linalg.qr(roots[:, :, None] * dofs.space.pressures)[0]
+        return own, basis.transpose(0, 2, 1)
+    elements, corner = _crossings(dofs)
+    own = count * elements[:, :, None] + np.arange(count)
+    return own.reshape(-1, 4 * count), _beside(_alternating(dofs, corner) / roots[elements])
+
+
+def _beside(mode: Floats) -> Floats:
+    """Orthonormal basis of what is orthogonal to a mode of four elements (b, 4, q): (b, 4q-1, 4q).
+
+    With as many zeros as there can be: all but one of the q within each element, then one within
+    either pair of them. What is dense here fills the factors of a solver.
+    """
+    b, _, q = mode.shape
+    size = np.linalg.norm(mode, axis=2)
+    turned = np.linalg.qr((mode / size[:, :, None])[..., None], mode="complete")[0]
+    basis = np.zeros((b, 4, q, 4, q))
+    for element in range(4):
+        basis[:, element, : q - 1, element] = turned[:, element, :, 1:].transpose(0, 2, 1)
+    along = mode / size[:, :, None]
+    one, two = np.hypot(size[:, 0], size[:, 1]), np.hypot(size[:, 2], size[:, 3])
+    none = np.zeros(b)
+    shares = (
+        (size[:, 1] / one, -size[:, 0] / one, none, none),
+        (none, none, size[:, 3] / two, -size[:, 2] / two),
+        tuple(
+            factor / np.hypot(one, two) * size[:, element]
+            for element, factor in enumerate((two / one, two / one, -one / two, -one / two))
+        ),
+    )
+    for row, share in enumerate(shares):
+        basis[:, row, q - 1] = np.stack(share, axis=1)[:, :, None] * along
+    return basis.reshape(b, 4 * q, 4 * q)[:, :-1]
+
+
+def judged_means(dofs: "BodyDofs", means: Sequence[Floats]) -> list[Floats]:
+    """Mean stresses of regions as criteria judge them, shape (m L,) each, Pa.
+
+    Of a criterion that does not feel them as smooth as the elements have them; of one that does at
+    the strain points, where on quadrilaterals only their projection does work.
+    """
+    regions, count = dofs.body.regions, dofs.weights.size
+    columns = [
+        own.reshape(-1, len(region.form.volumes))
+        for region, own in zip(regions, means, strict=True)
+    ]
+    projector = volume_projector(dofs)
+    judged = []
+    for region, own in zip(regions, columns, strict=True):
+        projected = _projected(dofs, region)
+        if region.form.surfaces and dofs.space.pressures is not None:
+            projected = np.zeros_like(projected)
+        result = own.copy()
+        for column in np.flatnonzero(projected).tolist():
+            whole = np.zeros(count)
+            for other, theirs in zip(regions, columns, strict=True):
+                if column < theirs.shape[1]:
+                    whole[_points(dofs, other)] = theirs[:, column]
+            result[:, column] = (projector @ whole)[_points(dofs, region)]
+        judged.append(result.ravel())
+    return judged
+
+
+def _projected(dofs: "BodyDofs", region: Region) -> Bools:
+    """Volumetric rows that are projected, shape (L,): those that must vanish.
+
+    On quadrilaterals, which would lock where friction is small, all; nothing is taken from others:
+    flow that dilates has all conditions it needs.
+    """
+    preserved = region.form.preserved
+    return np.ones_like(preserved) if dofs.space.pressures is not None else preserved
+
+
+def _points(dofs: "BodyDofs", region: Region) -> Ints:
+    """Numbers of the strain points of a region among those of its body."""
+    count = dofs.weights.shape[1]
+    return np.asarray((count * region.elements[:, None] + np.arange(count)).ravel())
+
+
+def volume_projector(dofs: "BodyDofs") -> Sparse:
+    """From theta at all strain points to what must vanish, and of mean stresses, shape (m, m).
+
+    The volume of each quadrilateral, and of four triangles at a crossing together, is kept.
+    """
+    if dofs.space.pressures is not None:
+        return _onto(dofs.weights, dofs.space.pressures)
+    whole = csr_matrix(eye_array(dofs.weights.size, format="csr"))
+    if not _crossed(dofs):
+        return whole
+    modes = _alternating_sums(dofs)
+    share = csr_matrix(diags_array(1 / dofs.weights.ravel()) @ modes.T)
+    size = np.asarray(modes.multiply(share.T).sum(axis=1)).ravel()
+    return csr_matrix(whole - share @ diags_array(1 / size) @ modes)
+
+
+def _crossed(dofs: "BodyDofs") -> bool:
+    """Whether crossings have a combination that says almost nothing, but not nothing."""
+    return not dofs.linear and len(dofs.body.mesh.t) == 3
+
+
+def _onto(weights: Floats, functions: Floats) -> Sparse:
+    """Element by element onto functions (q, v), orthogonal in weights of shape (elements, q)."""
+    weighted = functions[None] * weights[:, :, None]  # (elements, q, v)
+    blocks = functions @ np.linalg.solve(functions.T @ weighted, weighted.transpose(0, 2, 1))
+    count, q, _ = blocks.shape
+    columns = np.arange(count * q).reshape(count, 1, q)
+    columns = np.broadcast_to(columns, blocks.shape)
+    start = np.arange(count * q + 1) * q
+    return csr_matrix((blocks.ravel(), columns.ravel(), start), shape=(count * q,) * 2)
+
+
+def _alternating_sums(dofs: "BodyDofs") -> Sparse:
+    """Theta of the four elements at crossings, with alternating signs, from the strain points."""
+    elements, corner = _crossings(dofs)
+    count = dofs.space.points.shape[1]
+    values = _alternating(dofs, corner)
+    columns = elements[:, :, None] * count + np.arange(count)
+    start = np.arange(len(elements) + 1) * 4 * count
+    shape = (len(elements), dofs.areas.size * count)
+    return csr_matrix((values.ravel(), columns.ravel(), start), shape=shape)
+
+
+def _alternating(dofs: "BodyDofs", corner: Ints) -> Floats:
+    """Factors of theta at the strain points of four elements, (crossings, 4, q)."""
+    signs = np.array([1.0, -1.0, 1.0, -1.0])
+    return np.asarray(dofs.space.to_vertices()[corner] * signs[:, None])
+
+
+def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
+    """Elements around inner vertices of four triangles, in turn, and which corner of each it is.
+
+    Both of shape (crossings, 4). Of crossings that share elements only some are taken.
+    """
+    mesh = dofs.body.mesh
+    inner = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices) == 4
+    inner[np.unique(mesh.facets[:, mesh.boundary_facets()])] = False
+    corner, element = np.nonzero(inner[mesh.t])
+    vertex = mesh.t[corner, element]
+    away = mesh.p[:, mesh.t].mean(axis=1)[:, element] - mesh.p[:, vertex]
+    order = np.lexsort((np.arctan2(away[1], away[0]), vertex))
+    around, corners = (part[order].reshape(-1, 4) for part in (element, corner))
+    flows = np.ones(mesh.nelements, dtype=bool)  # without a change of volume
+    for region in dofs.body.regions:
+        flows[region.elements] = region.form.preserved[0]
+    whole = flows[around].all(axis=1)
+    around, corners = around[whole], corners[whole]
+    # An element may have two or three such vertices: it goes with the first.
+    first = np.full(mesh.nelements, len(around))
+    np.minimum.at(first, around.ravel(), np.repeat(np.arange(len(around)), 4))
+    own = (first[around] == np.arange(len(around))[:, None]).all(axis=1)
+    return around[own].astype(np.int64), corners[own].astype(np.int64)

@@ -1,0 +1,76 @@
+"""Water in the pores of a continuum and on its boundary, as values at vertices (T64)."""
+
+from functools import singledispatch
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lacore.model.conditions.loads import Load
+from lacore.model.conditions.water import PorePressure, StandingWater, WaterTable
+from lacore.model.meshes.curved import vertices
+from lacore.numerics.arrays import Floats, Ints
+from lacore.reporting.errors import InputError
+from lacore.reporting.showing import counted
+
+if TYPE_CHECKING:
+    from lacore.model.bodies.continuum.body import Body
+
+
+@singledispatch
+def in_pores(load: Load, body: "Body", field: str) -> Floats:
+    """Pressure in the pores at the vertices of a body, Pa, shape (vertices,): 0 of other loads.
+
+    Raises:
+        InputError: suction, NaN, values of another mesh, a water table that passes through
+            elements; it names the `field` of the load.
+    """
+    return np.zeros(body.mesh.nvertices)
+
+
+@in_pores.register(PorePressure)
+def _of_pores(load: PorePressure, body: "Body", field: str) -> Floats:
+    _require_linear(load.pressure, body, body.mesh.t, f"{field}.pressure")
+    return load.at(vertices(body.mesh), field)
+
+
+def on_facets(load: StandingWater, body: "Body", facets: Ints, field: str) -> Floats:
+    """Pressure at the vertices on facets, 0 at the others, Pa, shape (vertices,).
+
+    Raises:
+        InputError: as of `in_pores`.
+    """
+    places = vertices(body.mesh)
+    _require_linear(load.pressure, body, body.mesh.facets[:, facets], f"{field}.pressure")
+    ends = np.unique(body.mesh.facets[:, facets])
+    values = np.zeros(places.shape[1])
+    values[ends] = load.at(places[:, ends], field)
+    return values
+
+
+@singledispatch
+def _require_linear(pressure: object, body: "Body", corners: Ints, field: str) -> None:
+    """Refuse what is known not to be linear between corners (k, parts), numbers of vertices."""
+
+
+@_require_linear.register(WaterTable)
+def _of_table(pressure: WaterTable, body: "Body", corners: Ints, field: str) -> None:
+    heights = vertices(body.mesh)[1, corners]
+    cut = _cut(heights, pressure.height, body.allowed)
+    if not cut:
+        return
+    rows = [y for y in np.unique(heights).tolist() if not _cut(heights, y, body.allowed)]
+    nearest = sorted(sorted(rows, key=lambda y: abs(y - pressure.height))[:2])
+    raise InputError(
+        field,
+        pressure.height,
+        f"the water table passes through {counted(cut, 'element')}, in which the pressure would"
+        " have to be linear",
+        "put vertices of the mesh all along it, or it along such a row:"
+        f" y = {' and '.join(f'{y:.6g}' for y in nearest)} are near",
+    )
+
+
+def _cut(heights: Floats, level: float, allowed: float) -> int:
+    """How many parts a level passes through, by the heights of their corners, (k, parts)."""
+    low, high = heights.min(axis=0), heights.max(axis=0)
+    return int(np.sum((low < level - allowed) & (high > level + allowed)))

@@ -1,0 +1,233 @@
+"""Supports and loads. Forces are per unit thickness; every load is integrated exactly.
+
+In space vectors and places have three numbers, and forces are whole: N where the plane has N/m.
+
+Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all around, and forces
+are those of the whole circumference, in N.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import singledispatch
+from typing import ClassVar
+
+import numpy as np
+
+from lacore.model.conditions.body_forces import BodyForce, acting
+from lacore.model.conditions.footings import RigidFooting, Twist, check_size, check_vector
+from lacore.model.conditions.water import PorePressure, StandingWater
+from lacore.model.conditions.where import Where, where_name
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import (
+    InputError,
+    is_vector,
+    require_known,
+    require_place,
+)
+from lacore.reporting.showing import Compact, short
+from lacore.reporting.text import Quantity, text
+
+_ALL = {2: "xy", 3: "xyz"}
+COMPONENTS = {
+    2: ("x", "y", "xy", "normal", "tangential", "rotation", "clamped"),
+    3: ("x", "y", "z", "xz", "yz", "xyz", "normal"),
+}
+"""What a support may hold, by the dimension of its body."""
+_NAMED = tuple(dict.fromkeys((*COMPONENTS[2], *COMPONENTS[3], "all")))
+
+
+@dataclass(frozen=True, repr=False)
+class Fix(Compact):
+    """Velocity components held at zero on a part of the boundary.
+
+    Attributes:
+        body: name of the body.
+        where: which part, see `lacore.types.Where`; it ends where facets do. Of a frame its nodes.
+        components: ``all`` directions, which a problem reads as ``xy``, in space as ``xyz``; or
+            ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes of a
+            frame also ``rotation``, and ``clamped`` for all three, but no normal. In space
+            ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
+
+    Example:
+        >>> clamped, roller = la.Fix("soil", "bottom"), la.Fix("soil", "left", "x")
+    """
+
+    body: str
+    where: Where
+    components: str = "all"
+
+    def __post_init__(self) -> None:
+        require_known("Fix.components", self.components, _NAMED)
+
+    def of(self, dimension: int) -> Fix:
+        """With ``all`` directions named."""
+        return replace(self, components=_ALL[dimension]) if self.components == "all" else self
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary that it holds."""
+        return self.where
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return text("{} of {}.{}", self.components, self.body, where_name(self.where))
+
+
+def require_no_rotation(support: Fix, field: str) -> None:
+    """Raise `InputError` where a support holds a rotation, which only nodes of a frame have."""
+    if support.components in ("rotation", "clamped"):
+        raise InputError(
+            f"{field}.components",
+            support.components,
+            "only nodes of a frame have a rotation to hold",
+            "hold x and y along an edge",
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class Traction(Compact):
+    """Uniform traction `vector` [Pa] on a part of the boundary.
+
+    On a frame `where` names a member, and the vector is a force per length of it.
+
+    Example:
+        >>> pushed = la.Traction("soil", "top", (0.0, -1e3))  # Pa
+    """
+
+    body: str
+    where: Where
+    vector: tuple[float, ...]
+    point: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        check_vector("Traction.vector", self.vector, "Pa")
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary, or the member, that it acts on."""
+        return self.where
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        own = Quantity(tuple(self.vector), "Pa", ".7g")
+        return text("{} on {}.{}", own, self.body, where_name(self.where))
+
+    def on(self, normal: Floats) -> Floats:
+        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+        vector = np.reshape(self.vector, (-1, *(1,) * (normal.ndim - 1)))
+        return np.broadcast_to(vector, normal.shape)
+
+
+@dataclass(frozen=True, repr=False)
+class Pressure(Compact):
+    """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary.
+
+    Example:
+        >>> inside = la.Pressure("tube", "left", value=1e6)  # Pa
+    """
+
+    body: str
+    where: Where
+    value: float = 1.0
+    point: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        check_size("Pressure.value", self.value, "Pa")
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary that it acts on."""
+        return self.where
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        own = Quantity(self.value, "Pa", ".7g")
+        return text("pressure {} on {}.{}", own, self.body, where_name(self.where))
+
+    def on(self, normal: Floats) -> Floats:
+        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+        return np.asarray(-self.value * normal)
+
+
+@dataclass(frozen=True, repr=False)
+class PointForce(Compact):
+    """A single force.
+
+    Attributes:
+        body: name of the body. A continuum yields under it: mesh dependent.
+        at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
+            centroid) or of a node of a frame, or a place on a member of one: a node is put there.
+        vector: N/m, in space N; on an axisymmetric body the sum around the ring through `at`, N.
+        where: the block that carries it, where `at` lies on several, or on none: a rigid arm.
+
+    Example:
+        >>> wind = la.PointForce("frame", "B", (10e3, 0.0))  # N
+    """
+
+    body: str
+    at: tuple[float, ...] | str
+    vector: tuple[float, ...]
+    where: str | None = None
+    boundary: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        check_vector("PointForce.vector", self.vector, "N/m")
+        if not (isinstance(self.at, str) or is_vector(self.at)):
+            fix = "give (x, y), in space (x, y, z), or a name"
+            raise InputError("PointForce.at", self.at, "not a point", fix)
+        if not isinstance(self.at, str):
+            require_place("PointForce.at", self.at)
+
+    @property
+    def point(self) -> tuple[float, ...] | None:
+        """Where it acts, m; None where `at` is a name."""
+        return None if isinstance(self.at, str) else self.at
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        own = Quantity(tuple(self.vector), "N/m" if len(self.vector) == 2 else "N", ".7g")
+        at = short(self.at) if self.point is None else Quantity(tuple(self.point), "m", ".7g")
+        return text("{} at {} of {}", own, at, self.body)
+
+
+Load = (
+    Traction
+    | Pressure
+    | BodyForce
+    | PointForce
+    | RigidFooting
+    | Twist
+    | PorePressure
+    | StandingWater
+)
+"""What drives a problem, a reference load, or rests on it, a dead one.
+
+Each says its `boundary`, None where it acts on none, and its `point`, None where on none.
+"""
+
+
+@singledispatch
+def acts(load: Load) -> bool:
+    """Whether a load is any: of zero there is none, which as a dead load does no harm."""
+    return True
+
+
+@acts.register(Traction)
+@acts.register(PointForce)
+def _along(load: Traction | PointForce) -> bool:
+    return bool(np.any(load.vector))
+
+
+@acts.register(BodyForce)
+def _anywhere(load: BodyForce) -> bool:
+    return any(map(acting, load.vector))
+
+
+@acts.register(Pressure)
+def _against(load: Pressure) -> bool:
+    return bool(load.value)

@@ -1,0 +1,236 @@
+"""Water: in the pores of a body, and standing on its boundary (T64)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from lacore.model.conditions.where import Where, where_name
+from lacore.numerics.arrays import Floats
+from lacore.reporting.errors import InputError, is_number, require_positive, require_range
+from lacore.reporting.showing import Compact
+from lacore.reporting.text import Quantity, Term, text
+
+WATER = 9.81e3
+"""Unit weight of fresh water, N/m^3."""
+_ROUND_OFF = 1e-12  # of the largest pressure: less below 0 is no suction
+
+
+@dataclass(frozen=True, repr=False)
+class WaterTable(Compact):
+    """Water at rest below a height: ``u = unit_weight (height - y)`` there, and 0 above it.
+
+    Attributes:
+        height: of its surface, the y (of bodies of revolution the z) of it, m.
+        unit_weight: N/m^3.
+
+    Raises:
+        InputError: a height that is no number, a weight that is not positive.
+
+    Example:
+        >>> table = la.WaterTable(height=-1.0)
+        >>> table(np.array([[0.0, 0.0], [0.0, -2.0]])).tolist()  # Pa
+        [0.0, 9810.0]
+    """
+
+    height: float
+    unit_weight: float = WATER
+
+    def __post_init__(self) -> None:
+        if not is_number(self.height):
+            raise InputError(
+                "WaterTable.height", self.height, "not a number", "give the y of its surface in m"
+            )
+        require_positive("WaterTable.unit_weight", self.unit_weight)
+
+    def __call__(self, x: Floats) -> Floats:
+        """Pressure at places of shape (2, n), Pa, shape (n,)."""
+        return np.asarray(self.unit_weight * np.maximum(self.height - x[1], 0.0))
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return text("water at rest below y = {}", Quantity(self.height, "m", ".7g"))
+
+
+@dataclass(frozen=True, repr=False)
+class PorePressure(Compact):
+    """Pressure u >= 0 of the water in the pores of a body; its criterion judges ``sigma + u I``.
+
+    So stresses of a program are effective ones, and results show both (T64). In each element u is
+    linear (bilinear on quadrilaterals) between its values at the vertices, and that is the problem
+    that is solved and bounded: let edges of the mesh follow a water table. What has no friction
+    does not feel it. Water presses in contacts with obstacles, too, whose friction follows what is
+    left. A body under free water is pressed by that as well: `StandingWater`.
+
+    Attributes:
+        body: name of the body.
+        pressure: u in Pa: a `WaterTable`, a function of coordinates of shape (2, n) that returns n
+            values, the values at the vertices of the mesh, or one number for all of the body.
+
+    Raises:
+        InputError: suction, what is no pressure.
+
+    Example:
+        >>> wet = la.PorePressure("soil", la.WaterTable(height=-1.0))
+    """
+
+    body: str
+    pressure: float | Sequence[float] | Callable[[Floats], Floats]
+    boundary: ClassVar[None] = None
+    point: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        field, given = "PorePressure.pressure", self.pressure
+        if callable(given):
+            return
+        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+            values = _values(field, np.shape(given)[:1], given)
+            object.__setattr__(self, "pressure", tuple(values.tolist()))
+        elif is_number(given):
+            _values(field, (1,), [given])
+        else:
+            raise InputError(
+                field,
+                given,
+                "no pressure",
+                text(
+                    "give {}, or a number, in Pa",
+                    Term(
+                        "a lacore.WaterTable, a function of coordinates (2, n), the values at the"
+                        " vertices of the mesh",
+                        "{ height = ... }",
+                    ),
+                ),
+            )
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return text("{} in the pores of {}", _told(self.pressure), self.body)
+
+    def at(self, vertices: Floats, field: str) -> Floats:
+        """Values at all vertices of the body's mesh, of shape (2, n), Pa, shape (n,).
+
+        Raises:
+            InputError: suction, NaN, values of another mesh; it names the `field` of the load.
+        """
+        count = vertices.shape[1]
+        if isinstance(self.pressure, tuple):
+            return _values(f"{field}.pressure", (count,), self.pressure)
+        if callable(self.pressure):
+            return _called(f"{field}.pressure", self.pressure, vertices)
+        return np.full(count, self.pressure, dtype=np.float64)
+
+
+@dataclass(frozen=True, repr=False)
+class StandingWater(Compact):
+    """Pressure of free water on a part of the boundary, against its outward normal.
+
+    Linear along each edge between the values at its ends.
+
+    Attributes:
+        body, where: the part of the boundary.
+        pressure: a `WaterTable`, or a function of coordinates of shape (2, n) that returns n
+            pressures in Pa.
+
+    Raises:
+        InputError: what is no such function.
+
+    Example:
+        >>> lake = la.StandingWater("dam", "left", la.WaterTable(height=5.0))
+    """
+
+    body: str
+    where: Where
+    pressure: Callable[[Floats], Floats]
+    point: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        if not callable(self.pressure):
+            raise InputError(
+                "StandingWater.pressure",
+                self.pressure,
+                "not a function of coordinates",
+                text(
+                    "give {}; what is uniform is {}",
+                    Term("a lacore.WaterTable(height)", "{ height = ... }"),
+                    Term("a lacore.Pressure", 'load = "pressure"'),
+                ),
+            )
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary that it acts on."""
+        return self.where
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return text("{} on {}.{}", _told(self.pressure), self.body, where_name(self.where))
+
+    def at(self, places: Floats, field: str) -> Floats:
+        """Values at places of shape (2, n), Pa, shape (n,).
+
+        Raises:
+            InputError: suction, NaN, another shape; it names the `field` of the load.
+        """
+        return _called(f"{field}.pressure", self.pressure, places)
+
+
+def _told(pressure: float | Sequence[float] | Callable[[Floats], Floats]) -> str:
+    if isinstance(pressure, WaterTable):
+        return pressure.told
+    if callable(pressure):
+        return "water pressure of a function"
+    if isinstance(pressure, Sequence):
+        return text("water of up to {}", Quantity(max(pressure), "Pa", ".7g"))
+    return text("water of {}", Quantity(pressure, "Pa", ".7g"))
+
+
+def _called(field: str, pressure: Callable[[Floats], Floats], places: Floats) -> Floats:
+    try:
+        given = pressure(places)
+    except Exception as error:  # of others
+        raise InputError(
+            field,
+            None,
+            f"the function fails for coordinates (2, n): {type(error).__name__}: {error}",
+            "it takes one array x, whose rows are x[0] and x[1], and returns n pressures in Pa",
+        ) from error
+    return _values(field, places.shape[1:], given)
+
+
+def _values(field: str, shape: tuple[int, ...], given: object) -> Floats:
+    """Pressures of a shape, or `InputError`."""
+    try:
+        values = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(
+            field, type(given).__name__, "no numbers", "give pressures in Pa"
+        ) from None
+    if values.shape != shape:
+        raise InputError(
+            field,
+            values.shape,
+            f"there are {shape[0]} places, and as many pressures are needed",
+            "give one a vertex of the mesh, or a function of coordinates x of shape (2, n) that"
+            " returns n",
+        )
+    if not np.isfinite(values).all():
+        raise InputError(
+            field, values[~np.isfinite(values)][0], "not a pressure", "give finite values in Pa"
+        )
+    largest, least = float(values.max(initial=0.0)), float(values.min(initial=0.0))
+    if least < -_ROUND_OFF * largest:
+        raise InputError(
+            field,
+            least,
+            "suction, which lends a strength that a little rain takes away",
+            "give pressures >= 0, np.maximum(u, 0); a strength meant to last is cohesion",
+        )
+    require_range(field, largest)
+    return np.maximum(values, 0.0)

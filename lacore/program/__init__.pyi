@@ -1,0 +1,19 @@
+"""Names of `lacore.program`, which backends import."""
+
+from .kinematic import POWER as POWER
+from .kinematic import SI as SI
+from .kinematic import ContactRows as ContactRows
+from .kinematic import DissipationGroup as DissipationGroup
+from .kinematic import FrozenContact as FrozenContact
+from .kinematic import KinematicProgram as KinematicProgram
+from .kinematic import Scales as Scales
+from .kinematic import associated_contact as associated_contact
+from .kinematic import dimensionless as dimensionless
+from .kinematic import family_contact as family_contact
+from .kinematic import frictionless_contact as frictionless_contact
+from .kinematic import interleaved as interleaved
+from .kinematic import reaction_contact as reaction_contact
+from .kinematic import require_finite as require_finite
+from .kinematic import require_homogeneous as require_homogeneous
+from .kinematic import shift_contact as shift_contact
+from .kinematic import stick_contact as stick_contact

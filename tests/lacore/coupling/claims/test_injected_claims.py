@@ -1,0 +1,328 @@
+"""Claims that are wrong in exactly one way are refused."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.coupling.claims.carrying import _residual_of_fall, carrying
+from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
+from lacore.coupling.claims.free_motion import without_dissipation
+from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, locking_ray
+from lacore.program.kinematic import associated_contact, reaction_contact
+from lacore.reporting.status import Status
+from lacore.solvers.backend import InnerSolution
+from lacore.solvers.inner.preparing import prepared_by
+from tests.lacore.coupling.claims.test_claims import frozen, on_incline
+from tests.lacore.coupling.claims.test_rays import in_a_box
+from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
+
+TOLERANCE = 1e-6
+FALLING = DeadCollapse(power=1.0, carried=0.5, felt=0.0, impossible=0.0, point=sliding()[1])
+
+
+def test_a_mechanism_that_the_dead_load_drives_proves_a_collapse():
+    assert FALLING.proves(TOLERANCE)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"carried": 1.0},  # as much is dissipated: the structure stands, just
+        {"carried": 1.0 - TOLERANCE / 2},
+        {"power": 1.0 + 2 * TOLERANCE},
+        {"power": 1.0 - 2 * TOLERANCE},
+        {"felt": 2 * TOLERANCE},
+        {"impossible": 2 * TOLERANCE},
+    ],
+    ids=str,
+)
+def test_one_wrong_number_proves_no_collapse(wrong):
+    assert not replace(FALLING, **wrong).proves(TOLERANCE)
+
+
+def rising(opening):
+    """A square pushed by mu times its weight: at load factor 0 it slides, and may rise."""
+    d, state = sliding()
+    problem = d.problem
+    push = la.Traction("block", "top", (MU * P0, 0))
+    program = la.discretise(replace(problem, dead_loads=[*problem.dead_loads, push])).program
+
+    def field(x):
+        return np.stack([np.ones_like(x[0]), np.full_like(x[0], opening)])
+
+    return program, replace(state, velocity=on_free_unknowns(d, field), load_factor=0.0)
+
+
+def test_sliding_that_lifts_a_weight_is_no_free_motion():
+    """With associated friction it rises by mu: the push does all of the power of the weight.
+
+    Nothing dissipates and the loads do no power together, but the square presses on its base.
+    """
+    program, state = rising(MU)
+    contact = associated_contact(program.contact)
+    assert abs(program.dead_load @ state.velocity) <= 1e-12
+    assert not without_dissipation(program, state, contact, TOLERANCE)
+    loose = replace(state, normal_reaction=0 * state.normal_reaction)
+    assert without_dissipation(program, loose, contact, TOLERANCE)
+
+
+LOCKED = LockingRay(residual=0.0, beyond=0.0, release=0.0, point=sliding()[1])
+
+
+def test_reactions_that_carry_the_load_alone_prove_that_it_is_locked():
+    assert LOCKED.proves
+    assert replace(LOCKED, residual=1e-13, beyond=1e-13, release=0.999).proves
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"residual": 1e-11}, {"beyond": 1e-11}, {"release": 1 - 1e-10}, {"release": 1.5}],
+    ids=str,
+)
+def test_one_wrong_number_proves_no_locking(wrong):
+    assert not replace(LOCKED, **wrong).proves
+
+
+def pressed_on_a_slope(friction):
+    """A unit block at 0.3 rad that is pressed by a vertical force: locked from tan 0.3 on."""
+    return frozen(on_incline(0.3, friction, weight=1.0))
+
+
+def test_a_locking_ray_is_judged_by_the_laws_of_the_problem():
+    """Friction of 0.31 = tan(0.3) carries it; what 0.4 carries is beyond a cone of 0.2."""
+    program, contact = pressed_on_a_slope(0.4)
+    ray = locking_ray(program, contact)
+    sizes = np.abs(program.reference_load)
+    assert ray.proves
+    assert _judged(program, contact, ray.point, sizes).proves
+    weaker = _judged(*pressed_on_a_slope(0.2), ray.point, sizes)
+    assert weaker.residual <= 1e-12
+    assert weaker.beyond > 0.1
+    assert not weaker.proves
+    for name in ("normal_reaction", "tangential_reaction"):
+        more = replace(ray.point, **{name: (1 + 1e-9) * getattr(ray.point, name)})
+        other = _judged(program, contact, more, sizes)
+        assert other.residual > 1e-12
+        assert not other.proves
+
+
+def test_a_locking_ray_needs_what_shifts_cannot_release():
+    """A distance that closes by 1 per unit of the load's power is as much load factor."""
+    program, contact = pressed_on_a_slope(0.4)
+    ray = locking_ray(program, contact)
+    pressed = float(program.contact.weights @ ray.point.normal_reaction)
+    for share, proves in ((0.5, True), (1.5, False)):
+        shift = np.full(program.contact.count, share / pressed)
+        other = _judged(program, replace(contact, shift=shift), ray.point, np.ones(program.n))
+        assert other.release == pytest.approx(share)
+        assert other.proves == proves
+
+
+def answering(change):
+    """A solver whose answers are changed."""
+    true = prepared_by("clarabel", {})
+
+    def prepare(program):
+        class Solver:
+            def __init__(self):
+                self._solver = true(program)
+
+            def solve(self, contact):
+                answer = self._solver.solve(contact)
+                return replace(answer, point=change(answer.point))
+
+            def close(self):
+                self._solver.close()
+
+        return Solver()
+
+    return prepare
+
+
+def stood(friction, change=lambda point: point):
+    """Whether a block under its own weight stands on a slope of 0.3 rad."""
+    program, contact = frozen(on_incline(0.3, friction, push=(1.0, 0.0), weight=2.0))
+    return program, carrying(program, contact, answering(change), TOLERANCE)
+
+
+def test_a_block_carries_its_weight_on_a_slope_below_the_angle_of_friction():
+    program, found = stood(0.4)
+    assert found.falling is None
+    rows, weight = program.contact, float(np.abs(program.dead_load).sum())
+    point = found.carried
+    pressed, rubbed = (
+        float(rows.weights @ own)
+        for own in (point.normal_reaction, point.tangential_reaction[:, 0])
+    )
+    assert (pressed, abs(rubbed)) == pytest.approx((weight * np.cos(0.3), weight * np.sin(0.3)))
+    assert not point.velocity.any()
+
+
+def test_a_block_slides_down_a_slope_above_the_angle_of_friction():
+    """Dilation of 0.2 on a slope of tan 0.31: it falls by the difference, and nothing is taken."""
+    program, found = stood(0.2)
+    assert found.carried is None
+    velocity = found.falling.velocity
+    assert program.dead_load @ velocity == pytest.approx(1.0)
+    slip, opening = program.contact.slip(velocity)[:, 0], program.contact.opening(velocity)
+    assert np.all(opening >= 0.2 * np.abs(slip) * (1 - 1e-5))
+
+
+def off(**changes):
+    def change(point):
+        fields = {name: factor * getattr(point, name) for name, factor in changes.items()}
+        return replace(point, **fields)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("friction", "change"),
+    [
+        (0.4, off(normal_reaction=1.001)),
+        (0.4, off(tangential_reaction=0.0)),
+        (0.4, off(load_factor=0.9)),
+        (0.2, off(velocity=-1.0)),
+        (0.2, lambda point: replace(point, velocity=0 * point.velocity)),
+    ],
+)
+def test_answers_that_are_wrong_prove_nothing(friction, change):
+    found = stood(friction, change)[1]
+    assert (found.carried, found.falling) == (None, None)
+    assert np.isnan(found.residual)
+
+
+def test_a_mechanism_that_dissipates_the_dead_power_is_no_fall():
+    """A block on a slope whose base has a limit of friction of just what pulls it down."""
+    for share, falls in (
+        (0.9, True),
+        (1 - 2 * TOLERANCE, True),
+        (1 - TOLERANCE / 2, False),
+        (1.1, False),
+    ):
+        pull = 2.0 * np.sin(0.3)  # the base is 1 m long
+        program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
+        along = stood(0.2)[1].falling  # some state, with the velocity of the slope
+        direction = slide_of(program)
+        falling = replace(along, velocity=direction / float(program.dead_load @ direction))
+        residual = _residual_of_fall(program, contact, falling, TOLERANCE)
+        assert (residual <= TOLERANCE) == falls
+
+
+def slide_of(program):
+    """The motion down the slope of a block: no opening, slip alike at both corners."""
+    rows = program.contact
+    matrix = np.vstack([rows.normal.toarray(), rows.tangential.toarray()])
+    wanted = np.append(np.zeros(rows.count), np.ones(rows.count))
+    motion = np.linalg.lstsq(matrix, wanted, rcond=None)[0]
+    return motion * np.sign(program.dead_load @ motion)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7, 0.95, 1.05, 3.0])
+def test_a_base_carries_a_block_from_its_pull_on(share):
+    """A limit of friction, of a share of what pulls a block down a slope: it falls below 1."""
+    pull = 2.0 * np.sin(0.3)  # the base is 1 m long
+    program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
+    found = carrying(program, contact, prepared_by("clarabel", {}), TOLERANCE)
+    assert (found.carried is not None) == (share > 1)
+    assert (found.falling is not None) == (share < 1)
+    assert found.residual <= TOLERANCE
+    if share < 1:  # its stresses carry that share of the dead load
+        rubbed = program.contact.weights @ found.falling.tangential_reaction[:, 0]
+        weight = float(np.abs(program.dead_load).sum())
+        assert abs(rubbed) == pytest.approx(share * weight * np.sin(0.3), rel=1e-5)
+
+
+@pytest.mark.parametrize("criterion", [la.VonMises(1.0), la.MohrCoulomb(1.0, 30)])
+def test_a_locking_ray_calls_on_no_strength(criterion):
+    """What yields at last carries no load without bound: a little shear is beyond."""
+    program, contact = frozen(in_a_box(criterion))
+    ray = locking_ray(program, contact)
+    assert ray.proves
+    (shear,), sizes = ray.point.stress, np.abs(program.reference_load)
+    assert _judged(program, contact, ray.point, sizes).beyond <= 1e-12
+    sheared = replace(
+        ray.point,
+        stress=(shear + np.array([0.0, 1e-3]),),
+        mean_stress=(0 * ray.point.mean_stress[0],),
+    )
+    found = _judged(program, contact, sheared, sizes)
+    assert found.beyond > 1e-6
+    assert not found.proves
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 1.1, 1.9])
+def test_a_collapse_is_proven_by_what_its_mechanism_dissipates(share):
+    """A limit of friction takes its share of the power of the dead load; from 1 on none falls."""
+    pull = 2.0 * np.sin(0.3)
+    program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (0.0, 1.0), weight=2.0))
+    still = replace(program, reference_load=across(program))
+    found = dead_collapse(still, contact, prepared_by("clarabel", {}), TOLERANCE)
+    assert (found is not None) == (share < 1)
+    if found is not None:
+        assert found.carried == pytest.approx(share, rel=1e-6)
+        assert found.power == pytest.approx(1.0)
+        assert found.felt <= TOLERANCE
+
+
+def across(program):
+    """A load that presses the block on its slope, which no slide along it feels."""
+    return -np.asarray(program.contact.normal.sum(axis=0)).ravel()
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 1.2])
+def test_a_column_is_crushed_by_its_weight_beyond_the_strength(share):
+    """Pressed by 2 k per share: plastic flow takes that share of the power of the pressure."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    problem = la.Problem(
+        {"b": la.Body(mesh, la.VonMises(1.0))},
+        # Felt by no mechanism that keeps the volume of the column.
+        [la.Pressure("b", side) for side in ("left", "right", "top")],
+        [la.Fix("b", "bottom", "y"), la.Fix("b", "left", "x")],
+        dead_loads=[la.Pressure("b", "top", 2.0 / share)],
+    )
+    program, contact = frozen(problem)
+    found = dead_collapse(program, contact, prepared_by("clarabel", {}), TOLERANCE)
+    assert (found is not None) == (share < 1)
+    if found is not None:
+        assert found.carried == pytest.approx(share, rel=1e-5)
+
+
+@pytest.mark.parametrize(("reaction", "free"), [(1e-9, True), (1e-4, False), (1.0, False)])
+def test_without_a_weight_what_rubs_at_all_resists(reaction, free):
+    """Friction of 1e-4 of the strength is no round-off."""
+    d, state = sliding()
+    program = replace(d.program, dead_load=0 * d.program.dead_load)
+    pressed = replace(
+        state, normal_reaction=np.full(program.contact.count, reaction), load_factor=0.0
+    )
+    contact = reaction_contact(program.contact, pressed.normal_reaction)
+    assert without_dissipation(program, pressed, contact, TOLERANCE) == free
+
+
+@pytest.mark.parametrize(("dimension", "angle"), [(2, 11.25), (3, 27.5)])
+def test_directions_of_slip_are_all_around(dimension, angle):
+    """Some direction is within an angle, degrees, of any, and all of them are unit vectors."""
+    found = _directions(dimension)
+    assert np.linalg.norm(found, axis=1) == pytest.approx(1.0)
+    drawn = np.random.default_rng(0).normal(size=(2000, dimension))
+    drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
+    nearest = (drawn @ found.T).max(axis=1)
+    assert nearest.min() >= np.cos(np.radians(angle + 1e-6))
+
+
+def test_a_collapse_by_lines_needs_no_cones():
+    """Of rigid blocks a linear program finds the mechanism where the solver has no answer."""
+
+    def answerless(program):
+        answer = InnerSolution(Status.FAILED, "", 0, 0.0, None)
+        return SimpleNamespace(solve=lambda contact: answer, close=lambda: None)
+
+    program, contact = frozen(on_incline(0.3, la.Tresca(0.3), (0.0, 1.0), weight=2.0))
+    still = replace(program, reference_load=across(program))
+    found = dead_collapse(still, contact, answerless, TOLERANCE)
+    assert found.proves(TOLERANCE)
+    assert found.carried == pytest.approx(0.3 / (2 * np.sin(0.3)))

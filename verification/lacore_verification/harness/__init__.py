@@ -1,0 +1,1 @@
+"""Runs of cases: planning, execution, verdicts, stored results, checks and their evaluation."""

@@ -1,0 +1,85 @@
+"""The answer to a question, with its numbers."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from math import nan
+from pathlib import Path
+
+import pandas as pd
+
+from lacore_verification.harness.store.spreadsheets import unquoted
+from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+
+FILE = "checks.csv"
+"""Of findings, in the folder of their results."""
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """What a check found.
+
+    Attributes:
+        verdict: ``pass``, ``FAIL``, ``skipped``, ``no reference``: nothing to compare with, or
+            ``no result`` of a regularised backend that gives none and says so.
+        why: one line with the numbers.
+        measured: the number that decided; NaN where it was a status, or there is none.
+        allowed: what it may be, as text.
+    """
+
+    verdict: str
+    why: str
+    measured: float = nan
+    allowed: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A question and its answer; a field is a column.
+
+    Attributes:
+        case, variant, backend, coupling, check: of the question; no coupling is the default one.
+        meshes: the levels that were looked at, or the numbers of elements of a ladder, or of the
+            meshes of a lower and an upper bound.
+        measured, allowed: of the answer: ``value`` relative error and band, ``side`` relative
+            distance from the bound, ``residuals`` the largest and its bar, ``order`` p of
+            ``error ~ elements**-p`` and what is expected, ``bracket`` width and target, ``gap``
+            what is missing from the sum of shares, per gap, and its bar, ``range`` its width.
+        verdict, why: of the answer.
+    """
+
+    case: str
+    variant: str
+    backend: str
+    coupling: str
+    meshes: str
+    check: str
+    verdict: str
+    measured: float
+    allowed: str
+    why: str
+
+
+def tally(findings: Sequence[Finding]) -> dict[str, int]:
+    """How many questions were answered how."""
+    count = Counter(finding.verdict for finding in findings)
+    kinds = {
+        "passed": PASS,
+        "failed": FAIL,
+        "skipped": SKIPPED,
+        "no_result": NO_RESULT,
+        "no_reference": NO_REFERENCE,
+    }
+    return {name: count[kind] for name, kind in kinds.items()}
+
+
+def load_checks(folder: Path) -> pd.DataFrame:
+    """The findings that `lacore verify` wrote into a folder; no rows where there are none."""
+    path = folder / FILE
+    return unquoted(pd.read_csv(path)) if path.is_file() else as_table([])
+
+
+def as_table(findings: Sequence[Finding]) -> pd.DataFrame:
+    """One row a finding."""
+    columns = [entry.name for entry in fields(Finding)]
+    return pd.DataFrame([asdict(finding) for finding in findings], columns=columns)
