@@ -20,7 +20,7 @@ from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import Scales
 from lacore.program.regularization import RegularisedValues
-from lacore.reporting.errors import typed
+from lacore.reporting.errors import renamed_argument, typed
 from lacore.reporting.status import Status
 from lacore.solvers.isolation import SolverProcess
 
@@ -29,6 +29,7 @@ ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned ov
 SOLVES_IN_SPACE = 300  # of the loops: domes and vaults need ten times what walls do
 
 
+@renamed_argument("pressed", "normal_reaction")
 @typed()
 def solve(
     problem: Problem | Discretisation,

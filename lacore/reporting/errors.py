@@ -143,6 +143,25 @@ _KINDS: dict[Any, tuple[str, str]] = {
 """Kinds that are not ours and are judged, with what to say where something else is given."""
 
 
+def renamed_argument(
+    old: str, new: str
+) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
+    """Let a function take an argument by its former name, with a warning."""
+
+    def decorate(function: Callable[Given, Answer]) -> Callable[Given, Answer]:
+        @wraps(function)
+        def call(*args: Given.args, **kwargs: Given.kwargs) -> Answer:
+            if old in kwargs:
+                name = function.__name__
+                warn(f"{name}({old}=) is now {name}({new}=)", DeprecationWarning, stacklevel=2)
+                kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return call
+
+    return decorate
+
+
 def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
     """A function that first raises `InputError` where an argument is not of its annotation's kind.
 

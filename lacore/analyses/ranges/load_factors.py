@@ -150,6 +150,8 @@ class LoadFactorRange(Reported):
 
     def _proven(self) -> str:
         """The bounds of all load factors, in one line."""
+        if np.isinf(self.bracket).all():
+            return "no bound of any"
         lines = [f"every one is in {_interval(self.bracket, self.kind.digits)}"]
         if self.kind is RangeKind.COULOMB and self.scope is Scope.DISCRETE:
             lines.append(f"those of the continuum in {_interval(self.continuum, self.kind.digits)}")
@@ -189,8 +191,13 @@ class LoadFactorRange(Reported):
             )
             if self.unbounded:
                 yield f"  of the continuum {self.missing}"
-        ends = _interval(self.bracket, ".6g")
-        yield f"  proven{of}: every one lies in {ends} ({self.kind.bounds})"
+        if np.isinf(self.bracket).all():
+            yield f"  no bound of any is proven{of}"
+        else:
+            ends = _interval(self.bracket, ".6g")
+            yield f"  proven{of}: every one lies in {ends} ({self.kind.bounds})"
+        if self.ray is not None:
+            yield f"  proof: {self.ray}"
         yield from self._end("lower", self.low, self.lowest, self.lowest_proven)
         yield from self._end("higher", self.high, self.highest, self.highest_proven)
         if np.isfinite(self.davis):

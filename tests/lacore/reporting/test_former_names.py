@@ -6,7 +6,9 @@ from importlib import import_module
 
 import pytest
 
+import lacore as la
 from lacore import FORMER
+from tests.lacore.pictures.readings import column
 
 INSIDE = {
     "contact.obstacles": "model.contact.obstacles",
@@ -40,3 +42,11 @@ def test_the_warning_is_one_of_the_line_that_imports():
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert shown.stderr.count(message) == 1
     assert shown.stderr.startswith("<string>:2: DeprecationWarning")
+
+
+def test_an_argument_is_taken_by_its_former_name():
+    problem = column((1, 1), 0.5)
+    reactions = la.solve(problem).point.normal_reaction
+    with pytest.warns(DeprecationWarning, match=r"solve\(normal_reaction=\)"):
+        old = la.solve(problem, pressed=reactions)
+    assert old.load_factor == pytest.approx(0.5, abs=1e-6)

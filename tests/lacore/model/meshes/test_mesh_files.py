@@ -13,10 +13,11 @@ from skfem import MeshTri
 
 import lacore as la
 from lacore.model.meshes.reading import read
+from tests.conftest import ROOT
 from tests.lacore.models import CRITERION
 
 MESHES = Path(__file__).parent
-EXAMPLE = Path(__file__).parents[3] / "examples" / "gmsh"
+EXAMPLE = ROOT / "examples" / "gmsh"
 UNIT = [(0, 0), (1, 0), (1, 1), (0, 1)]
 HALVES = [(0, 1, 2), (0, 2, 3)]
 EXACT = 2 + np.pi

@@ -2,7 +2,6 @@
 
 import hashlib
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,9 +10,10 @@ from click.testing import CliRunner
 
 from lacore_verification.commands.cli import main
 from lacore_verification.harness.campaigns.instances import Instance
+from tests.conftest import ROOT
 from tests.program_files import solve_file
 
-GUIDE = Path(__file__).parents[3] / "docs" / "guide" / "programs-as-files.md"
+GUIDE = ROOT / "docs" / "guide" / "programs-as-files.md"
 CASES = [
     "shear-patch:sliding",
     "portal-sway:sways",

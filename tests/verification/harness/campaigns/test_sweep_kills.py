@@ -17,6 +17,7 @@ from lacore.reporting.errors import InputError
 from lacore_verification.harness.campaigns.sweep import plan
 from lacore_verification.harness.store.results import load_results
 from lacore_verification.harness.store.store import NAME, sessions
+from tests.conftest import ROOT
 from tests.processes import alive, hear_ctrl_c, marked, wait_for
 from tests.verification.results_tables import lasting
 
@@ -24,7 +25,6 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc"),
 ]
-ROOT = Path(__file__).parents[3]
 CASE, VARY = "prandtl-punch:smooth", "r=1e-1:1e-4:300:log"
 BACKENDS, MESHES = ["newton", "clarabel-regularised", "clarabel"], ["coarse"]
 RUNS = 601

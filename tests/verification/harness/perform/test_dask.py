@@ -22,6 +22,7 @@ from lacore_verification.harness.campaigns.sweep import plan
 from lacore_verification.harness.store.results import load_results
 from lacore_verification.harness.store.store import NAME
 from tests.broken_backends import plant
+from tests.conftest import ROOT
 from tests.processes import alive, marked, wait_for
 from tests.verification.results_tables import lasting
 
@@ -33,7 +34,7 @@ pytestmark = [
 ]
 BLOCK = ["deformable-block", "--vary", "mu=0.1:0.9:3", "--meshes", "coarse"]
 BLOCK += ["--backends", "clarabel"]
-EXAMPLES = Path(__file__).parents[3] / "examples" / "cases"
+EXAMPLES = ROOT / "examples" / "cases"
 
 
 def command(*arguments):

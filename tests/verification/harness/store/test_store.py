@@ -29,9 +29,9 @@ from lacore_verification.harness.store.store import (
 )
 from lacore_verification.harness.store.stored_rows import WrongFieldError, _check_stopped
 from lacore_verification.runs.run import canonical
+from tests.conftest import ROOT
 from tests.verification.command_line import run_in_order
 
-ROOT = Path(__file__).parents[3]
 ABOUT = {"date": "a day"}
 
 
@@ -339,7 +339,7 @@ def test_nothing_that_is_read_is_run(path):
     """Text is JSON, arrays are plain: an attacker's pickle stays bytes."""
     rooms = [
         ROOT / "verification" / "lacore_verification" / room
-        for room in ("store", "evidence", "runs")
+        for room in ("harness/store", "harness/evidence", "runs")
     ]
     text = "".join(file.read_text() for room in rooms for file in room.glob("*.py"))
     assert "allow_pickle=False" in text
