@@ -3,9 +3,9 @@
 They are chosen by data of the cases and capabilities of the backends, never by measured times, so
 that everybody runs the same. Each case runs the variant, the meshes and the bracket that
 `Case.first` names; by default its first variant on its coarsest and its finest mesh. On the first
-of these meshes all backends are compared, without dense ones on continua, and only the quick ones
-if it is not the coarsest mesh of the case. One exact backend runs all other meshes, brackets and
-paths, a variant of each other status that a case must end with, and cases tagged `LARGE`.
+of these meshes all backends are compared, without dense ones on continua, and only the quick exact
+ones if it is not the coarsest mesh of the case. One exact backend runs all other meshes, brackets
+and paths, a variant of each other status that a case must end with, and cases tagged `LARGE`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -132,7 +132,8 @@ def _backends(case: Case, variant: Variant, mesh: str, several: bool) -> list[st
         return found
     coarsest = mesh == next(iter(case.meshes))
     can = {name: capabilities(name) for name in found}
-    return [name for name in found if not can[name].dense and (coarsest or can[name].paths)]
+    quick = [name for name in found if can[name].paths and not can[name].regularised]
+    return [name for name in found if not can[name].dense] if coarsest else quick
 
 
 def _bracket(case: Case, variant: Variant) -> Run:
