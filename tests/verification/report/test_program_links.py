@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from lacore_verification.catalogue.catalogue import catalogue
-from lacore_verification.harness.campaigns import compared_programs, comparison
+from lacore_verification.harness.campaigns import compared_programs, comparison, instances
 from lacore_verification.harness.campaigns.compared_programs import (
     copy_programs,
     program_files,
@@ -143,7 +143,7 @@ def test_the_largest_programs_are_left_out(outcomes, monkeypatch):
 
 
 def test_a_minimum_that_is_not_known_closely_is_not_stated(outcomes, tmp_path, monkeypatch):
-    monkeypatch.setattr(compared_programs, "CLOSE", 0.0)
+    monkeypatch.setattr(instances, "CLOSE", 0.0)
     one = [outcome for outcome in outcomes if outcome.run.case.id == "wall-1"]
     write_programs(sources_of(one), tmp_path)
     (row,) = index_of(tmp_path).itertuples()

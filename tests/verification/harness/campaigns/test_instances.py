@@ -47,13 +47,17 @@ def agree(out, index):
     for row in there.itertuples():
         path = out / row.file
         assert hashlib.sha256(path.read_bytes()).hexdigest() == row.sha256
+        if row.status == "ALMOST_SOLVED":
+            assert np.isnan(row.value)
+            assert row.residual > 1e-7
+            continue
         answer = solve_file(path)
         assert answer is not None, row.file
         assert answer.status == row.status, row.file
         # A load factor of zero is known to what a solver leaves of forces of order 1.
         if row.status == "SOLVED":
             assert answer.value == pytest.approx(row.value, rel=1e-6, abs=1e-9), row.file
-            assert row.residual <= 1e-6
+            assert row.residual <= 1e-7
         else:
             assert np.isnan(row.value)
     return there
@@ -68,7 +72,9 @@ def test_other_solvers_find_the_values_and_statuses_of_the_index(written):
 
 @pytest.mark.slow
 def test_other_solvers_find_the_values_of_all_cases(tmp_path):
-    assert len(agree(*export(tmp_path))) > 500
+    there = agree(*export(tmp_path))
+    assert len(there) > 500
+    assert (there.status == "ALMOST_SOLVED").mean() < 0.01
 
 
 def test_units_turn_values_into_load_factors(written):

@@ -6,8 +6,8 @@ import csv
 import hashlib
 import shutil
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
-from math import inf, isnan, nan
+from dataclasses import dataclass
+from math import inf, isnan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -18,7 +18,6 @@ from lacore.reporting.errors import InputError
 from lacore_verification.case import is_of_lacore
 from lacore_verification.defaults import cores
 from lacore_verification.harness.campaigns.instances import (
-    CLOSE,
     INDEX,
     Instance,
     Known,
@@ -61,15 +60,13 @@ class ProgramWriter:
         """Return the program of a run with its minimum; empty if no file can express it.
 
         The minimum is the load factor of the run if its certificate proves that. Otherwise the
-        associated problem is solved once. A minimum whose residual is above `CLOSE` is not stated.
+        associated problem is solved once.
         """
         run, problem = source.outcome.run, source.outcome.run.problem()
         stated, known = _proven(source, problem)
         if known is None:
             state = la.solve(problem, coupling=ASSOCIATED)
             stated, known = state.discretisation, known_of(state, source.code)
-        if known.status == la.Status.SOLVED.name and not known.residual <= CLOSE:
-            known = replace(known, status=la.Status.ALMOST_SOLVED.name, load_factor=nan)
         with TemporaryDirectory() as name:
             rows = write(run, stated, known, {ENDING: writer_of(ENDING)}, Path(name))
             return [(row, (Path(name) / row.file).read_bytes()) for row in rows if row.file]

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from math import isfinite
+from math import nan
 from pathlib import Path
 
 import pandas as pd
@@ -34,7 +34,7 @@ class Instance:
         case, variant, mesh: what it is of.
         unknowns: velocities, which come first among the columns.
         status: of the associated problem, as solved by `backend`: `SOLVED`, `LOCKED` (the program
-            is infeasible), `UNSAFE` (it is unbounded).
+            is infeasible), `UNSAFE` (it is unbounded), or `ALMOST_SOLVED`.
         value: the least value of the program as written, in its units; NaN where it is not solved.
         power: `F0.U` of the program as written.
         load_factor: the same in units of the case.
@@ -176,7 +176,7 @@ def _exact_backends() -> list[str]:
 
 def _residual(state: "la.LimitState") -> float:
     """The largest residual of a certificate; NaN without one."""
-    return state.certificate.worst[1] if state.certificate is not None else float("nan")
+    return state.certificate.worst[1] if state.certificate is not None else nan
 
 
 def _written(
@@ -205,6 +205,8 @@ def write(
 ) -> list[Instance]:
     """Write the associated program of a run in each format, and return the rows of the index.
 
+    A minimum whose residual is above `CLOSE` is not stated; its status is `ALMOST_SOLVED`.
+
     Args:
         run: Names of the case, the variant and the mesh.
         stated: Discretisation of its problem, as solved.
@@ -214,14 +216,16 @@ def write(
     """
     program = dimensionless(stated.program, stated.natural).associated()
     contact, scales = associated_contact(program.contact), program.scales
-    has_value = known.status == la.Status.SOLVED.name and isfinite(known.residual)
+    if known.status == la.Status.SOLVED.name and not known.residual <= CLOSE:
+        known = replace(known, status=la.Status.ALMOST_SOLVED.name, load_factor=nan)
+    has_value = known.status == la.Status.SOLVED.name
     about = Instance(
         file="",
         case=run.case.id,
         variant=run.variant.name,
         mesh=run.mesh,
         unknowns=program.n,
-        value=POWER * known.load_factor / scales.load_factor if has_value else float("nan"),
+        value=POWER * known.load_factor / scales.load_factor if has_value else nan,
         power=POWER,
         load_factor_unit=scales.load_factor,
         length_unit=scales.length,
