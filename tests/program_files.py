@@ -17,16 +17,21 @@ _TOLERANCES = (1e-9, 1e-8, 1e-7)  # the next where no solver reaches the one bef
 _FEW = 20_000  # entries of the matrix: first-order steps for more take hours
 _REST = 1e-6  # of duals that prove a minimum: costs are of order 1
 _ECOS = {0: "SOLVED", 1: "LOCKED", 2: "UNSAFE"}
+_INACCURATE = 10
 _CBF = {"L=": "zero", "L+": "nonnegative", "Q": "second-order"}
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a solver says: a status of lacore by its name, or None, and the value."""
+    """What a solver says: a status of lacore by its name, or None, and the value.
+
+    `gap` is relative, and that of an answer which the solver itself calls inaccurate.
+    """
 
     solver: str
     status: str | None
     value: float
+    gap: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -112,7 +117,9 @@ def by_ecos(program, tolerance, statuses=_ECOS):
         max_iters=200,
         **dict.fromkeys(("abstol", "reltol", "feastol"), tolerance),
     )["info"]
-    return Answer("ECOS", statuses.get(found["exitFlag"]), found["pcost"])
+    flag = found["exitFlag"]
+    gap = found["relgap"] if flag == _INACCURATE else 0.0
+    return Answer("ECOS", statuses.get(flag), found["pcost"], gap)
 
 
 def by_qoco(program, tolerance, least=_REST, statuses=("QOCO_SOLVED",)):
@@ -190,7 +197,7 @@ def nearly_solved(program, tolerance):
     ECOS comes first: on meshes of thin triangles QOCO leaves 1e-5 of the value.
     """
     if find_spec("ecos"):
-        answer = by_ecos(program, tolerance, {**_ECOS, 10: "SOLVED"})
+        answer = by_ecos(program, tolerance, {**_ECOS, _INACCURATE: "SOLVED"})
         if answer.status:
             return answer
     return by_qoco(program, tolerance, 10 * _REST, ("QOCO_SOLVED", "QOCO_SOLVED_INACCURATE"))
