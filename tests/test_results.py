@@ -35,7 +35,7 @@ BUILDERS = {  # what builds a value in several steps, and is the only place that
     "verification/lacore_verification/harness/perform/ranging.py": "a row, which it judges",
     "verification/lacore_verification/harness/perform/worker.py": "a row, with a note",
     "verification/lacore_verification/conformance/suite.py": "findings, as sentences",
-    "verification/lacore_verification/harness/campaigns/compared_programs.py": "a useless minimum",
+    "verification/lacore_verification/harness/campaigns/instances.py": "a useless minimum",
 }
 
 
