@@ -10,7 +10,7 @@ import pandas as pd
 
 from lacore.analyses.kept import LoadFactorRecord, digest, keep, recall
 from lacore.analyses.stable import stable
-from lacore.analyses.worth import error, worth
+from lacore.analyses.proven_values import error, proven_value
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.loading import NoPowerError
@@ -74,7 +74,9 @@ class Along:
         state = solve(problem, **self.given)
         seconds = state.build_time + state.solve_time
         residual = nan if state.certificate is None else state.certificate.worst[1]
-        found = LoadFactorRecord(worth(state), error(state), state.status.label, residual, seconds)
+        found = LoadFactorRecord(
+            proven_value(state), error(state), state.status.label, residual, seconds
+        )
         self.states[value] = state
         self._note(value, found, kept=False)
         if self.folder and not isnan(found.value):

@@ -14,8 +14,8 @@ _NEAR = (1e-4, 2.5e-5)  # the same where slopes are known, and only their limits
 _KINK = 1e-3  # of elasticities: slopes that differ by more from both sides
 _BENT = 0.75  # what is smooth halves with the step
 _STEADY = 10 * _KINK  # of elasticities: slopes at half and whole steps on one side differ by less
-_NO_STATE = "a load factor beside it is not certified"
-_JUMPS = "load factors beside it lie on no line: they belong to other states, or jump"
+_NO_STATE = "a load factor at a neighbouring value is not certified"
+_JUMPS = "load factors at neighbouring values jump, or belong to other states"
 
 
 def by_differences(
@@ -40,7 +40,7 @@ def by_differences(
                     at(parameter.at(problem, parameter.value + part * step)) for part in (0.5, 1.0)
                 )
             except InputError as wrong:
-                return _none(f"beside it: {wrong}")
+                return _none(f"at a neighbouring value: {wrong}")
             first, second = (half - load_factor) / (step / 2), (whole - load_factor) / step
             if abs(first - second) <= _STEADY * scale:
                 break
@@ -57,7 +57,7 @@ def by_differences(
 def two_sided(
     parameter: Parameter, derivative: float, load_factor: float, at: Callable[[float], float]
 ) -> dict[str, Any]:
-    """One-sided derivatives, as limits of those at values beside a number.
+    """One-sided derivatives at a value, as limits of those at neighbouring values.
 
     Args:
         parameter: the number.
@@ -74,7 +74,7 @@ def two_sided(
             return {"left": derivative, "right": derivative, "unique": True, "why": ""}
         far = np.array([at(parameter.value + sign * _NEAR[0] * parameter.size) for sign in (-1, 1)])
     except InputError as wrong:
-        return _none(f"beside it: {wrong}")
+        return _none(f"at a neighbouring value: {wrong}")
     left, right = near + (near - far) * _NEAR[1] / (_NEAR[0] - _NEAR[1])
     if not np.isfinite(left + right):
         return {**_none(_NO_STATE), "unique": False}

@@ -86,7 +86,7 @@ def _slope(solution: Frozen, problem: Problem, own: Parameter, value: float) -> 
     try:
         return slope(solution, partial(own.at, problem), value, own.size), ""
     except InputError as wrong:
-        return np.nan, f"beside it: {wrong}"
+        return np.nan, f"at a neighbouring value: {wrong}"
     except NotComparableError:
         return np.nan, "a change of it changes the unknowns or the contact points"
 

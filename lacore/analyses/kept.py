@@ -21,7 +21,7 @@ class LoadFactorRecord:
     """What is kept of a state.
 
     Attributes:
-        value, error: see `lacore.analyses.worth`.
+        value, error: see `lacore.analyses.proven_values`.
         status, residual: of the state.
         seconds: that it took.
     """

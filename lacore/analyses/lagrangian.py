@@ -52,7 +52,7 @@ def slope(solution: Frozen, at: Callable[[float], Problem], value: float, size: 
     """Derivative of the load factor by a number, central, at frozen variables (T81).
 
     Raises:
-        InputError: a value a little beside it cannot be.
+        InputError: a neighbouring value is not valid.
         NotComparableError: see there.
     """
     step = _STEP * size

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from lacore.analyses.worth import proven, worth
+from lacore.analyses.proven_values import proven, proven_value
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.bounds.bracket.bracket import Bracket
@@ -219,7 +219,7 @@ def _of_state(name: str, state: LimitState) -> dict[str, Any]:
     return {
         "case": name,
         "status": state.status.label,
-        "load_factor": worth(state),
+        "load_factor": proven_value(state),
         "lower": lower,
         "upper": upper,
         "rigor": state.rigor.label,
@@ -235,7 +235,7 @@ def _of_bracket(name: str, found: Bracket) -> dict[str, Any]:
     lower, upper = found.lower, found.upper
     # Each by the side that proves it: the other one says so of its own elements, for want of more.
     if above.status in (Status.UNSAFE, Status.FREE):
-        status, load_factor, (lower, upper) = above.status.label, worth(above), proven(above)
+        status, load_factor, (lower, upper) = above.status.label, proven_value(above), proven(above)
     elif below.status is Status.LOCKED:
         status, load_factor, lower = below.status.label, np.inf, np.inf
     return {
@@ -276,7 +276,7 @@ def _solved(
 
     Args:
         problems: assembled ones.
-        given: what `lacore.solve` is given besides.
+        given: further arguments of `lacore.solve`.
         workers: how many are solved at a time, each by a process of its own. Threads wait for them:
             so problems need not be pickled, and scripts no guard.
         on_state: called with the number and the state of each as it ends.

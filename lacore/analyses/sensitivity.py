@@ -107,11 +107,11 @@ def sensitivity(
 ) -> Sensitivity:
     """How much a load factor depends on each strength, friction, weight, load and place (T81).
 
-    Where flow and friction are associated the multipliers of the state say it, without a solve
-    (envelope theorem); a few more solves beside it tell whether mechanisms are unique, and where
-    they are not derivatives are one-sided. Coulomb friction, and soils that dilate less than their
-    friction, have no such theorem: their reactions change with the parameter. There it is
-    differences of certified load factors on either side, four solves a parameter.
+    If flow and friction are associated, the multipliers of the state give the derivatives without a
+    solve (envelope theorem). A few more solves at neighbouring values show whether mechanisms are
+    unique; if not, derivatives are one-sided. With Coulomb friction or non-associated flow the
+    theorem does not hold, because reactions change with the parameter. Derivatives are then
+    differences of certified load factors on both sides, which take four solves per parameter.
 
     Args:
         state: solved, of an exact backend.

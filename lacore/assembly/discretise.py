@@ -190,7 +190,7 @@ def shared_corners(
             points.names[int(contact.interface[wrong[0]])],
             f"meets an interface that sticks at {points.position[wrong[0]]}, which holds the normal"
             " velocity where friction needs the normal reaction",
-            "end one of the two beside the corner, or give the other a friction coefficient",
+            "end one of the two before the corner, or give the other a friction coefficient",
         )
     return np.asarray(contact.coulomb & turns)
 
@@ -213,6 +213,6 @@ def _movable_points(contact: ContactRows, points: ContactPoints) -> Bools:
             points.names[int(contact.interface[loose[0]])],
             f"a support holds the normal velocity at {points.position[loose[0]]}, where friction"
             " needs the normal reaction",
-            "let the support end beside the interface, or hold both components",
+            "let the support end before the interface, or hold both components",
         )
     return np.asarray(~(held & ~slides))

@@ -82,7 +82,7 @@ def require_stated_side(
     Args:
         problem: As stated.
         unknowns: Of the problem.
-        yielding: Its interfaces; those that stick are replaced where the body beside them slips.
+        yielding: Its interfaces; those that stick are replaced where the adjacent body slips.
         tied: Which segments of bonds move as one; velocities jump across the others.
 
     Raises:

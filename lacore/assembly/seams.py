@@ -89,7 +89,7 @@ def _seam(
         for name, edges in meeting
         if name in continua
     ]
-    beside = (sides[0], sides[-1])  # twice the same beside what is rigid
+    beside = (sides[0], sides[-1])  # twice the same next to a rigid one
     side = np.argmin([own.cost for own in beside], axis=0)
     ends, count, copies = (segments.start, segments.end), segments.slave.size, rates.copies
     found = {}
@@ -108,7 +108,7 @@ def _seam(
                 if len(own.layers) > 1 or part.size < count:
                     title = f"{title}, {weak.region.group_name(own.name)}"
                 if beyond is not None:
-                    title = f"{title} beside {other.layers[beyond].region.group_name(other.name)}"
+                    title = f"{title} next to {other.layers[beyond].region.group_name(other.name)}"
                 cones = (copies * part[:, None] + np.arange(copies)).ravel()
                 found[title] = Jumps(
                     bodies=(beside[0].name, beside[1].name),
@@ -194,7 +194,7 @@ class _Side(Compact):
         """That of a body.
 
         Raises:
-            InputError: a layer of a region beside it has no strength that could be stated.
+            InputError: a layer of an adjacent region has no strength that could be stated.
         """
         elements = dofs.body.mesh.f2t[0, facets].astype(np.int64)
         layers = {

@@ -2,7 +2,7 @@
 
 A continuous velocity that sticks to a support, or to a rough footing, sticks to it at its last
 vertex too. Where contact of another direction begins there, or something that moves otherwise, no
-velocity is left, on any mesh, though the continuum has one: the body yields beside what holds it.
+velocity is left, on any mesh, though the continuum has one: the body yields next to the support.
 Its tangential velocity jumps, at ``k |[u_t]|`` per area, which is no less than what any admissible
 stress does there, so that bounds stay strict; ``[u_n] = 0`` stays. Such a boundary slips along all
 of its length, on every mesh; all others stick, as in the limit of fine meshes they may.

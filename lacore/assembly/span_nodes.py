@@ -93,7 +93,7 @@ def _held(problem: Problem, name: str, frame: Frame) -> list[Ints]:
 
 
 def places_on(frame: Frame, pieces: Ints, share: Floats) -> Floats:
-    """Places at shares of pieces, (2, k), beside those where another member crosses."""
+    """Places at shares of pieces, (2, k), in addition to those where another member crosses."""
     start = frame.position[:, frame.pieces.start[pieces]]
     along, length = frame.pieces.along[:, pieces], frame.pieces.length[pieces]
     assert frame.tolerance is not None

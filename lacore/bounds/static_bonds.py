@@ -116,5 +116,5 @@ def _check_free(nodes: Ints, asked: NodeConditions, interface: Interface) -> Non
             "Problem.interfaces",
             interface.name,
             "a support or a footing holds edges that are bonded",
-            "let it end beside them",
+            "let it end before them",
         )

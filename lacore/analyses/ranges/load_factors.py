@@ -248,7 +248,7 @@ class NoState:
 
 @dataclass(frozen=True)
 class SearchRecord:
-    """What a search has found besides its states; fields are those of `LoadFactorRange`."""
+    """Results of a search other than its states; the fields are those of `LoadFactorRange`."""
 
     kind: RangeKind
     scope: Scope

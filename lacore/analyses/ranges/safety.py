@@ -54,7 +54,7 @@ class SafetyFactor(Result):
             states: the least factor with one whose load factor is below 1.
         history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads (nan of a
             bound that failed), ``proves``; or a row a state, with that of the reference loads
-            beside the dead ones, or of all where the dead loads alone are not carried.
+            in addition to the dead ones, or of all where the dead loads alone are not carried.
         problem: as stated.
         findings: What else there is to report of the mechanism at the upper end, such as the sides
             of soils that it reaches: in a larger body both ends may be less.
@@ -124,7 +124,7 @@ class SafetyFactor(Result):
         missing = [end for end in ("lower", "upper") if isnan(getattr(self, end))]
         proven, kind, ends = "both ends by strict bounds of the continuum problem", "bound", ""
         if self.states:
-            proven, kind = "not proven: certified states, beside which there may be others", "state"
+            proven, kind = "not proven: certified states; there may be others", "state"
             ends = " of certified states, not proven"
         told = {
             "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
@@ -222,8 +222,8 @@ def _together(problem: Problem) -> Problem:
 def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: str) -> SafetyFactor:
     """Between factors of certified states on either side of a load factor of 1.
 
-    Of the reference loads beside the dead ones: weights that grow with the load press contact
-    together, which then jams. Where the dead loads alone are not carried, all loads grow.
+    Only the reference loads grow: weights that grow with the load close the contact, which then
+    jams. If the structure does not carry the dead loads alone, all loads grow.
     """
     rows: list[dict[str, object]] = []
     states: dict[float, LimitState] = {}
@@ -276,7 +276,7 @@ def _end(
 ) -> float:
     """The last factor with a load factor of 1 or more, or below 1; nan where there is none.
 
-    What failed (nan) says nothing of either side: it is looked for beside it.
+    A failed solve (NaN) decides nothing: the search continues next to it.
     """
     above, below = (0.0, inf), (inf, -inf)  # logarithms: of the factor, of the load factor
     low, high = -inf, inf

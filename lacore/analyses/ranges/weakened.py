@@ -21,7 +21,7 @@ def weakened_problem(problem: Problem, factor: float, interfaces: bool) -> Probl
     for name, body in of_kind(problem.bodies, Body).items():
         try:
             weaker[name] = replace(body, criterion=_divided_criterion(body.criterion, factor))
-        except InputError:  # an angle beside those that are taken
+        except InputError:  # an angle outside the accepted range
             return None
     pairs = problem.interfaces
     if interfaces:
@@ -63,7 +63,7 @@ def require_weakening(name: str, body: Body) -> None:
 
 @runtime_checkable
 class Weakening(Protocol):
-    """A criterion that has a weaker one beside it."""
+    """A criterion of which a weaker one can be built."""
 
     @property
     def strength(self) -> float:
@@ -72,7 +72,7 @@ class Weakening(Protocol):
 
     @property
     def label(self) -> str:
-        """What it is worth."""
+        """Its strengths, as text."""
         ...
 
     def weakened(self, factor: float) -> Criterion:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.analyses.worth import error, proven, worth
+from lacore.analyses.proven_values import error, proven, proven_value
 from lacore.analyses.yield_surface.components import Components
 from lacore.analyses.yield_surface.hulls import Hulls, gauge, hulls
 from lacore.bounds.bracket.bracket import crossing
@@ -105,7 +105,7 @@ class Asking:
     def _state(self, stated: Problem) -> "_Bounds":
         """Of rigid parts: one load factor, exact but for its residuals; or a Coulomb state."""
         state = solve(stated, self.backend, options=self.options)
-        value, wrong = worth(state), error(state)
+        value, wrong = proven_value(state), error(state)
         solved, label = state.status is Status.SOLVED, state.status.label
         rigors = frozenset({state.rigor} if solved else ())
         if state.status is Status.LOCKED:

@@ -93,10 +93,10 @@ class Track:
 
 
 def on_finer(problem: Problem, mesh: MeshTri, rows: Sequence[Mapping[str, Any]]) -> Problem:
-    """The problem on the next mesh; with velocities that jump where no upper bound was found.
+    """Return the problem on the next mesh, with velocities that jump if no upper bound was found.
 
-    Where contact ends beside a support in its direction, continuous velocities are none on any
-    mesh. The first one may be too coarse, so that two have to say so.
+    Where contact ends at a support in its direction, no mesh has a continuous mechanism. The first
+    mesh may merely be too coarse, so that two meshes without an upper bound are required.
 
     Args:
         problem: on the last mesh.

@@ -35,10 +35,10 @@ _FACING = -0.99  # cosine of outward normals of sides that face each other
 def reached_supports(discretisation: Discretisation, velocity: Floats | None) -> Finding | None:
     """Return which supports the mechanism reaches; None without any.
 
-    Of bodies in plane strain, of revolution or in space, and of supports that hold them altogether,
-    or are the rollers of a box: along a plane of symmetry they may move. Speeds rise from a
-    support; what they are at 2 % of the size of the body is taken from the elements beside it, so
-    that large ones, in which any motion ends, say little.
+    It judges bodies in plane strain, axisymmetric and three-dimensional bodies, and supports that
+    fix all components or are the rollers of a box; along a plane of symmetry a body may move.
+    Speeds grow with the distance from a support. Those at 2 % of the size of the body are taken
+    from the adjacent elements, so that large elements, in which any motion ends, matter little.
 
     Args:
         discretisation: of the problem.

@@ -17,7 +17,7 @@ class Criterion(Protocol):
 
     @property
     def label(self) -> str:
-        """What it is worth, for pictures and tables: ``k = 1 Pa``."""
+        """Its strengths as text, for pictures and tables: ``k = 1 Pa``."""
         ...
 
     @property

@@ -46,7 +46,7 @@ def check_axisymmetry(
             raise InputError(
                 f"Problem.bodies[{name!r}]",
                 continua[name].kinematics if name in continua else type(body).__name__,
-                "plane, beside an axisymmetric body",
+                "plane, in a problem with an axisymmetric body",
                 text(
                     "make it {} too, or a {}",
                     Term("a Body(kinematics='axisymmetric')", 'kinematics = "axisymmetric"'),

@@ -42,8 +42,8 @@ def dimension_of(bodies: Mapping[str, Spatial]) -> int:
         raise InputError(
             f"Problem.bodies[{solid[0]!r}]",
             type(bodies[solid[0]]).__name__,
-            f"a body in space, beside {plane[0]!r}, a {type(bodies[plane[0]]).__name__} of the"
-            " plane",
+            f"a three-dimensional body together with {plane[0]!r}, a plane"
+            f" {type(bodies[plane[0]]).__name__}",
             "make both of one kind, or two problems of them",
         )
     deforming = [name for name in solid if bodies[name].deforms]
@@ -51,7 +51,7 @@ def dimension_of(bodies: Mapping[str, Spatial]) -> int:
         raise InputError(
             f"Problem.bodies[{deforming[0]!r}]",
             type(bodies[deforming[0]]).__name__,
-            "a body of tetrahedra beside rigid blocks: nothing touches it yet",
+            "contact between a body of tetrahedra and rigid blocks is not supported",
             "make two problems of them",
         )
     return 3 if solid else 2

@@ -1,4 +1,4 @@
-"""Loads in the sketch of a problem: arrows, and what they are worth."""
+"""Loads in the sketch of a problem: arrows with their values."""
 
 from functools import singledispatch
 

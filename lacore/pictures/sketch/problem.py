@@ -35,7 +35,7 @@ _FEW = 6  # contacts, that have their own labels; blocks, that have names
 def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     """Sketch of a problem: outlines, supports, obstacles, friction, loads with their sizes.
 
-    Arrows of body forces start at the centroid and are worth their resultant. Artists carry the
+    Arrows of body forces start at the centroid and show their resultant. Artists carry the
     `gid` of what they show: ``support-0``, ``interface-0``, ``reference-load-0``, ``dead-load-0``,
     numbered as in the problem.
 

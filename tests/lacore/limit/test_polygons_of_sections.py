@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import lacore as la
-from lacore.analyses.worth import proven
+from lacore.analyses.proven_values import proven
 
 PRESS, HEIGHT = 0.3, 3.0
 STRESS = 100.0 / 3.0  # M_p = f b h^2/4 = 1 of b = 1, h = 0.3464

@@ -1,4 +1,4 @@
-"""The check of derivatives beside solves sees a kink that is reported as smooth."""
+"""The comparison of derivatives with solves detects a kink that is reported as smooth."""
 
 import lacore as la
 from lacore.analyses.parameters import parameters_of

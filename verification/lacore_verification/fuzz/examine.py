@@ -21,7 +21,7 @@ _LINEAR = ("blocks", "frame")
 _LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"
 """Second opinions, by name: a problem that is drawn again elsewhere is judged alike there."""
 _EXTRAS = 2
-"""Comparisons that are drawn for each problem, besides those that all have."""
+"""Comparisons drawn for each problem, in addition to those that all have."""
 
 
 @dataclass(frozen=True)
@@ -275,7 +275,7 @@ class Examination:
             yield from self._between(self._base.load_factor, lower.load_factor, inf, "lower bound")
 
     def _derivatives(self) -> Iterator[Wrong]:
-        """Derivatives are those of solves beside a number, on either side of it."""
+        """Derivatives agree with solves at neighbouring values, on both sides."""
         problem, state = self._base.problem, self._base.state
         if self._coulomb or not self._base.solved or problem is None or state is None:
             return

@@ -171,7 +171,7 @@ class Body(Shown):
 
     @property
     def label(self) -> str:
-        """What its criteria are worth: ``k = 1 Pa``, ``fill: k = 1 Pa; clay: k = 2 Pa``."""
+        """The strengths of its criteria: ``k = 1 Pa``, ``fill: k = 1 Pa; clay: k = 2 Pa``."""
         told = [(region.name, region.label) for region in self.regions]
         return join("; ", (text("{}: {}", *own) if own[0] else own[1] for own in told))
 

@@ -203,7 +203,7 @@ def layered(
             cones = (copies * part[:, None] + np.arange(copies)).ravel()
             title = f"{ours.region.group_name(name)}: jumps"
             if opposite is not None:
-                title = f"{title} beside {layers[opposite].region.name or 'other angles'}"
+                title = f"{title} next to {layers[opposite].region.name or 'other angles'}"
             own = [csr_matrix(rows[cones]) for rows in jump]
             group = layer(title, ours.form, own, volumes[cones], carried)
             both = np.repeat(elements[:, part], copies, axis=1)

@@ -254,7 +254,7 @@ class Frame(Shown):
                     "PointForce.at",
                     tuple(point),
                     f"the members {', '.join(crossed)} cross there, and no node joins them",
-                    "make it a node, or load one of the members beside it",
+                    "make it a node, or load one of the adjacent members",
                 )
             if crossed:
                 x, y = (float(own) for own in point)

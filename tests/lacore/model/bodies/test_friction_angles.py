@@ -312,5 +312,5 @@ def test_a_body_that_is_cut_between_two_soils_and_bonded_is_the_uncut_one(space)
     one, other = (la.solve(problem, throw=True) for problem in (whole, cut))
     assert other.load_factor == pytest.approx(one.load_factor, rel=1e-6)  # bar of a solve
     names = [group.name for group in one.program.groups]
-    assert any(name.endswith("jumps beside low") for name in names)
-    assert any("beside low: jumps" in group.name for group in other.program.groups)
+    assert any(name.endswith("jumps next to low") for name in names)
+    assert any("next to low: jumps" in group.name for group in other.program.groups)

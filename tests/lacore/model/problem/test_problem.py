@@ -240,7 +240,7 @@ def test_footing_that_a_support_holds():
         ),
         "RigidFooting = 'block: top'",
         "keeps it from moving",
-        "end the other beside it",
+        "let the other one end before it",
     )
 
 
@@ -324,7 +324,7 @@ def _guided(components):
 
 def test_friction_where_a_support_takes_the_normal_force():
     """The contact reaction would be anything, and the load factor with it."""
-    named = r"'block.bottom': a support holds .*\[1. 0.\].*beside the interface"
+    named = r"'block.bottom': a support holds .*\[1. 0.\].*before the interface"
     with pytest.raises(la.InputError, match=named):
         la.discretise(_guided("y"))
 

@@ -1,4 +1,4 @@
-"""Derivatives of load factors beside differences of solves, on both sides of a number."""
+"""Derivatives of load factors compared with differences of solves on both sides of a value."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ _FORCE = 0.02  # of the largest of the elasticities compared, or of 1: curvature
 
 
 def wrong_derivatives(problem: la.Problem, state: la.LimitState, rng: Rng) -> Iterator[Wrong]:
-    """Whether one derivative, drawn from all, is that of solves a little beside the number.
+    """Whether one derivative, drawn from all, agrees with solves at neighbouring values.
 
     Only where the solves on one side lie on a line: a kink may lie next to any number.
     """

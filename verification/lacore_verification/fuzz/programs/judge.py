@@ -169,7 +169,7 @@ def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
 
 
 def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> str:
-    """What an answer is worth, beside those of others.
+    """Judge an answer by those of others.
 
     A fault is wrong, whatever else was answered. A number is right by its residuals. A word is
     right where another backend has found the same,

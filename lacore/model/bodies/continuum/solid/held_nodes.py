@@ -45,7 +45,7 @@ def flowing_between_nodes(
             "RigidFooting",
             footings[int(np.flatnonzero(wrong)[0])],
             "a support or another footing at one of its nodes keeps it from moving",
-            "end the other beside it, or take the space 'p2-disc', which slips there",
+            "let the other one end before it, or take the space 'p2-disc', which slips there",
         )
     axes[~bound.any(axis=1)] = np.eye(3)  # nothing is asked: along x, y and z
     node, axis = np.nonzero(~bound)

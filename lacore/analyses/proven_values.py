@@ -1,4 +1,4 @@
-"""What a state says of the load factor: one number with its error, and what of it is proven."""
+"""The load factor of a state as one number, its error, and proven bounds."""
 
 import numpy as np
 
@@ -12,19 +12,19 @@ from lacore.reporting.status import Rigor, Scope, Status
 _PROVEN = {Status.LOCKED: np.inf, Status.UNSAFE: -np.inf, Status.FREE: 0.0}
 
 
-def worth(state: LimitState) -> float:
-    """Load factor that is proven: inf where LOCKED, -inf where UNSAFE, 0 where FREE, else NaN.
+def proven_value(state: LimitState) -> float:
+    """Return the load factor, as inf if LOCKED, -inf if UNSAFE and 0 if FREE; NaN if not certified.
 
-    So that no question has to be told apart by statuses: what falls under its dead loads carries
-    less than any load, what is locked more.
+    Analyses can then compare numbers instead of statuses: a structure that collapses under its
+    dead loads carries less than any load factor, and a locked one carries more.
     """
     return _PROVEN.get(state.status, state.load_factor)
 
 
 def error(state: LimitState) -> float:
-    """By how much a load factor may be wrong by its own residuals, in its unit; 0 of proven ends.
+    """Return the error of a load factor by its residuals, in its unit; 0 for infinite ones.
 
-    The largest residual times the power turned over, ``D + |Fd.u| + |alpha|`` at ``F0.u = 1``.
+    It is the largest residual times ``D + |Fd.u| + |alpha|``, the power at ``F0.u = 1``.
     """
     if state.status in _PROVEN:
         return 0.0
@@ -36,12 +36,12 @@ def error(state: LimitState) -> float:
 
 
 def proven(state: LimitState) -> tuple[float, float]:
-    """What encloses every load factor of the problem of a state; -inf and inf where nothing does.
+    """Return proven bounds of every load factor of the problem of a state; -inf and inf without.
 
-    Of blocks and frames without Coulomb friction the load factor itself, within its error. Of a
-    deformable body what is found on one mesh is an upper bound at most, of Coulomb friction one of
-    several load factors, maybe. What a coupling says that answers another problem counts as far as
-    it bounds the one that is stated.
+    For blocks and frames without Coulomb friction, these are the load factor with its error. The
+    result on one mesh of a deformable body is an upper bound at most, and one with Coulomb friction
+    may be one of several load factors. A coupling that solves another problem counts if that bounds
+    the stated one.
     """
     stated = state.discretisation.problem
     exact = state.discretisation.scope is Scope.ITSELF
