@@ -9,8 +9,8 @@ from typing import Any
 import pandas as pd
 
 from lacore.analyses.kept import LoadFactorRecord, digest, keep, recall
-from lacore.analyses.stable import stable
 from lacore.analyses.proven_values import error, proven_value
+from lacore.analyses.stable import stable
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.loading import NoPowerError
