@@ -151,7 +151,7 @@ class LoadFactorRange(Reported):
     def _proven(self) -> str:
         """The bounds of all load factors, in one line."""
         if np.isinf(self.bracket).all():
-            return "no bound of any"
+            return "no bounds"
         lines = [f"every one is in {_interval(self.bracket, self.kind.digits)}"]
         if self.kind is RangeKind.COULOMB and self.scope is Scope.DISCRETE:
             lines.append(f"those of the continuum in {_interval(self.continuum, self.kind.digits)}")
@@ -192,7 +192,7 @@ class LoadFactorRange(Reported):
             if self.unbounded:
                 yield f"  of the continuum {self.missing}"
         if np.isinf(self.bracket).all():
-            yield f"  no bound of any is proven{of}"
+            yield f"  no bounds are proven{of}"
         else:
             ends = _interval(self.bracket, ".6g")
             yield f"  proven{of}: every one lies in {ends} ({self.kind.bounds})"
@@ -208,7 +208,7 @@ class LoadFactorRange(Reported):
             f" {self.backend}{settings}, {self.solve_time:.1f} s"
         )
         if self.stop:
-            yield f"  stopped {self.stopped}: others may be further out"
+            yield f"  stopped {self.stopped}: others may lie outside"
 
     def _end(
         self, other: str, value: float, state: LimitState | None, proven: bool
@@ -219,13 +219,13 @@ class LoadFactorRange(Reported):
         of, (residual, size) = self.scope.phrase, state.certificate.worst
         worst = f"(largest residual {size:.1e}, {residual})"
         if np.isinf(value):
-            yield f"  proven{of}: a mechanism carries any higher one {worst}"
+            yield f"  proven{of}: any higher one is carried {worst}"
             return
         yield f"  proven{of}: {value:.6g} is one, by its certificate {worst}"
         if proven:
-            yield f"  proven{of}: none is {other}, it reaches its bound"
+            yield f"  proven{of}: none is {other}, because it reaches its bound"
         else:
-            yield f"  found, not proven{of}: that none is {other}"
+            yield f"  not proven{of}: a {other} one may exist"
 
     def __str__(self) -> str:
         return self.summary()

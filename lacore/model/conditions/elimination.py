@@ -149,6 +149,6 @@ def _check_consistent(conditions: NodeConditions, carried: Floats, names: list[s
             names[int(np.flatnonzero(wrong)[0])],
             "a support or another footing at one of its nodes keeps it from moving",
             "let the other one end before it, release the component along its direction, for two"
-            " footings at one place give both one direction and one roughness; or take the space 'p2-disc',"
-            " whose velocities jump",
+            " footings at one place give both one direction and one roughness; or take the space"
+            " 'p2-disc', whose velocities jump",
         )

@@ -175,7 +175,7 @@ def test_a_range_of_a_soil_keeps_what_proves_that_there_is_none(dilation):
     assert found.status is Status.UNSAFE
     assert found.ray.proves(1e-6)
     assert found.bracket == (-np.inf, np.inf)
-    assert "no bound of any" in repr(found)
+    assert "no bounds" in repr(found)
     open_above = repr(replace(found, bracket=(-3.0, np.inf)))
     assert "[-3, inf]" in open_above
 
