@@ -77,7 +77,7 @@ def two_sided(
         return _none(f"at a neighbouring value: {wrong}")
     left, right = near + (near - far) * _NEAR[1] / (_NEAR[0] - _NEAR[1])
     if not np.isfinite(left + right):
-        return {**_none(_NO_STATE), "unique": False}
+        return _none(_NO_STATE)
     return {
         "left": left,
         "right": right,
@@ -87,4 +87,4 @@ def two_sided(
 
 
 def _none(why: str) -> dict[str, Any]:
-    return {"left": np.nan, "right": np.nan, "unique": True, "why": why}
+    return {"left": np.nan, "right": np.nan, "unique": False, "why": why}

@@ -65,9 +65,10 @@ class Sensitivity(Result):
     def findings(self) -> tuple[Finding, ...]:
         """How derivatives were computed, and which parameters have none."""
         table = self.table
+        one_sided = ~table["unique"] & (table["why"] == "")
         found = [Finding(_METHODS[name]) for name in dict.fromkeys(table["method"])]
         for kind, name, which in (
-            (Kind.ONE_SIDED, "parameters", table["parameter"][~table["unique"]]),
+            (Kind.ONE_SIDED, "parameters", table["parameter"][one_sided]),
             (Kind.NO_DERIVATIVE, "parameters", table["parameter"][table["why"] != ""]),
             (Kind.LEFT_OUT, "loads", self.left_out),
         ):

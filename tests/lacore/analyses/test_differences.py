@@ -30,7 +30,8 @@ def test_a_kink_has_two_derivatives():
     assert found["right"] == pytest.approx(3, abs=1e-10)
 
 
-def test_a_load_factor_that_is_missing_beside_it_is_named():
+def test_a_load_factor_that_is_missing_at_a_neighbouring_value_is_named():
     found = derivatives(lambda x: x if x <= AT else np.nan)
     assert np.isnan([found["left"], found["right"]]).all()
+    assert not found["unique"]
     assert "not certified" in found["why"]

@@ -4,11 +4,13 @@ import csv
 import hashlib
 import re
 import shutil
-from math import isnan
+from dataclasses import replace
+from math import isnan, nan
 
 import pandas as pd
 import pytest
 
+import lacore as la
 from lacore_verification.catalogue.catalogue import catalogue
 from lacore_verification.harness.campaigns import compared_programs, comparison, instances
 from lacore_verification.harness.campaigns.compared_programs import (
@@ -152,6 +154,16 @@ def test_a_minimum_that_is_not_known_closely_is_not_stated(outcomes, tmp_path, m
     assert isnan(row.load_factor)
     assert row.residual > 0
     assert program_files(tmp_path) == {row.file}
+
+
+def test_a_minimum_with_an_unknown_residual_is_not_stated(outcomes, tmp_path):
+    one = next(outcome for outcome in outcomes if outcome.run.case.id == "wall-1")
+    state = la.solve(one.run.problem(), coupling="associated")
+    known = replace(instances.known_of(state, code=""), residual=nan)
+    by = {"npz": instances.writer_of("npz")}
+    (row,) = instances.write(one.run, state.discretisation, known, by, tmp_path)
+    assert row.status == "ALMOST_SOLVED"
+    assert isnan(row.value)
 
 
 def test_a_program_that_cannot_be_written_keeps_its_command(outcomes, tmp_path, monkeypatch):
