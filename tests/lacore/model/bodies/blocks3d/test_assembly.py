@@ -151,7 +151,7 @@ def test_names_and_joints():
                     "plate": la.RigidBlock([(0, 0), (1, 0), (1, 1)]),
                 }
             ),
-            ("Problem.bodies['stack']", "beside 'plate'", "BlockAssembly of the plane"),
+            ("Problem.bodies['stack']", "together with 'plate'", "a plane BlockAssembly"),
         ),
     ],
 )
