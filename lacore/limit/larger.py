@@ -44,7 +44,7 @@ def held_back(
 ) -> tuple[Finding, ...]:
     """Return which sides of soils a mechanism would pass, and how much less it would carry.
 
-    RequestedBound of sides beside which elements are too large for speeds to tell.
+    Only those sides are checked next to which elements are too large to tell from speeds.
 
     Args:
         discretisation: of the problem.
