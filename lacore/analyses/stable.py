@@ -28,7 +28,7 @@ from lacore.reporting.showing import Facts, Picture, Shown
 from lacore.reporting.status import Rigor, Standing, Status
 from lacore.solvers.backend import find_backend
 from lacore.solvers.compilation import SolveClock
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.registry import PROVING_BACKEND
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -118,7 +118,7 @@ def stable(
     build_time, clock = time.perf_counter() - begin, SolveClock()
     given = backend, options or {}, "associated", tolerance, np.nan
 
-    def judged(standing: Standing, findings: tuple[Finding, ...]) -> Verdict:
+    def conclude(standing: Standing, findings: tuple[Finding, ...]) -> Verdict:
         falls = standing is Standing.FALLS and cells.from_below(problem)
         stands = standing is Standing.STANDS and cells.from_above(problem)
         if falls or stands:
@@ -128,7 +128,7 @@ def stable(
         why = _not_of_the_continuum(problem, discretisation, standing, backend, options or {})
         return (standing, findings) if why is None else (Standing.UNDECIDED, (why,))
 
-    found = stability_of(discretisation, *given, judged)
+    found = stability_of(discretisation, *given, conclude)
     status = _STATUS[found.standing]
     state = LimitState(
         status=status,
@@ -173,7 +173,7 @@ def _not_of_the_continuum(
     if not discretisation.continua or standing is Standing.UNDECIDED or sure:
         return None
     if find_backend(backend).capabilities.regularised:
-        backend, options = JUDGE, {}
+        backend, options = PROVING_BACKEND, {}
     why: Message | str
     try:
         alone = associated(with_associated_flow(problem.with_loads(problem.dead_loads, [])))

@@ -16,7 +16,7 @@ from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stresses.admissible import margins, weaker
 from lacore.bounds.stresses.attempt import Attempt, attempt
-from lacore.coupling.claims.judged import Prepare, Ray, judged_claim
+from lacore.coupling.claims.proving import Ray, prove_claim
 from lacore.limit.conversion import in_si, ray_in_si
 from lacore.limit.tables.contact_table import traction_table
 from lacore.model.bodies.continuum.regions.gathering import by_body, continuum_stress
@@ -34,6 +34,7 @@ from lacore.reporting.showing import Facts, Picture, counted
 from lacore.reporting.status import Reported, Rigor, Status
 from lacore.reporting.text import PYTHON, Quantity
 from lacore.solvers.backend import (
+    Prepare,
     check_capable,
     checked_answer,
     find_backend,
@@ -41,7 +42,7 @@ from lacore.solvers.backend import (
     read_options,
 )
 from lacore.solvers.compilation import SolveClock, started
-from lacore.solvers.inner.preparing import preparing, require_exact
+from lacore.solvers.inner.preparing import preparer, require_exact
 from lacore.solvers.isolation import make_ready
 
 if TYPE_CHECKING:
@@ -278,13 +279,13 @@ def _solved(
     make_ready(engine)
     exact = exactness(dofs.body for dofs in model.continua.values())
     tolerance = nominal_tolerance(engine, engine_options)
-    prepare = preparing(engine, engine_options, good=max(_GOOD, _LEFT * tolerance))
+    prepare = preparer(engine, engine_options, good=max(_GOOD, _LEFT * tolerance))
     attempts = _attempts(program, prepare, tolerance, exact)
     last, refuted, ray = attempts[-1], None, None
     status = Status.SOLVED if last.proves else Status.NOT_CERTIFIED
     if last.state is None:
         laws = associated_contact(program.contact)
-        status, refuted, ray = judged_claim(
+        status, refuted, ray = prove_claim(
             last.inner.status, program, laws, laws, prepare, _TOLERANCE
         )
     times = build_time, clock.seconds, clock.compile_time

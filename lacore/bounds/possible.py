@@ -14,8 +14,7 @@ import numpy as np
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import DissipationGroup, KinematicProgram, associated_contact
-from lacore.solvers.backend import checked_answer
-from lacore.solvers.inner.preparing import Prepare
+from lacore.solvers.backend import Prepare, checked_answer
 
 _MARGINS = (1e-6, 1e-5, 1e-4)  # M, of a dimensionless program: the first is enough as a rule
 _ROUND_OFF = 1e-12  # of the largest rate: the margin that is left

@@ -18,7 +18,7 @@ from lacore.bounds.enclosing import (
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.coupling.claims.judged import Ray
+from lacore.coupling.claims.proving import Ray
 from lacore.limit.conversion import point_in_program
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
@@ -52,7 +52,7 @@ from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Facts, Picture
 from lacore.reporting.status import Reported, Rigor, Status
 from lacore.reporting.text import PYTHON, text
-from lacore.solvers.inner.preparing import prepared_by
+from lacore.solvers.inner.preparing import preparer_named
 from lacore.solvers.inner.rigid_motions import motions_without_strain
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
@@ -212,7 +212,7 @@ def _candidates(
     if not program.pressure_dependent:
         nearest = (admissible_velocity(program, velocity), none)
         return [nearest, *_without_noise(program, velocity, admissible_velocity)]
-    prepare = prepared_by(state.backend, state.options, good=_INSIDE)
+    prepare = preparer_named(state.backend, state.options, good=_INSIDE)
 
     def possible(stated: KinematicProgram, motion: Floats) -> Floats:
         return possible_velocity(stated, motion, prepare)

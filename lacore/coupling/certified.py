@@ -48,12 +48,12 @@ def certified_loop(run: Run) -> Coupled:
     """
     program = run.program
     if program.associated_flow:
-        return run.judged(run.solve("single", frictionless_contact(program.contact)))
+        return run.finish(run.solve("single", frictionless_contact(program.contact)))
     if not program.hardens or program.frictional or run.roughly is None:
         return _from_associated(run)
     found = resumed(run, mean, _PATIENCE)
     if found is not None:
-        return run.judged(found)
+        return run.finish(found)
     # With all solves that it may take: what is certified so is certified still.
     again = _from_associated(replace(run, iterates=[], rates=[], _mapped={}))
     return replace(again, iterates=(*run.iterates, *again.iterates))
@@ -67,9 +67,9 @@ def _from_associated(run: Run) -> Coupled:
     anchor = anchored(run) if first.inner.status is Status.LOCKED else first
     static = anchor.inner.point
     if run.free(anchor):
-        return run.judged(anchor, findings=_OUTSIDE if anchor is first else _TRIVIAL)
+        return run.finish(anchor, findings=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
-        return run.judged(anchor)
+        return run.finish(anchor)
     of_contact = (by_places, averaged, central_path, _damped, _alternated, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
@@ -86,11 +86,11 @@ def _bounded(run: Run, found: Iterate, first: Iterate) -> Coupled:
     """
     state = found.state
     if state is None or not run.program.homogeneous:
-        return run.judged(found)
+        return run.finish(found)
     upper = upper_bound(run.program.associated(), first.inner, run.options.tolerance)
     slack = run.options.tolerance * kinematic_power(run.program, state)
     if state.load_factor <= upper + slack:
-        return run.judged(found)
+        return run.finish(found)
     refuted = Finding(Kind.LOWER_MECHANISM, severity=Severity.REASON)
     return run.end(Status.NOT_CERTIFIED, found, findings=(refuted,))
 

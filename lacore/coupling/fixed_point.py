@@ -39,7 +39,7 @@ def _family_loop(run: Run, kind: str, kappa: float) -> Coupled:
     rows = run.program.contact
     zero = frictionless_contact(rows)
     if not rows.coulomb.any():
-        return run.judged(run.solve("single", zero))
+        return run.finish(run.solve("single", zero))
 
     start = run.options.start
     if start == "associated":
@@ -84,7 +84,7 @@ def fixed_point(
             return run.end(Status.NOT_CONVERGED)
         out_of_budget = status in (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
         if point is None or out_of_budget or run.proven(iterate) or run.free(iterate):
-            return run.judged(iterate)
+            return run.finish(iterate)
         image = read(point)
         run.mapped(kind, values, image)
         values = np.maximum(mixing.step(values, image), 0.0)

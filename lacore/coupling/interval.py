@@ -8,7 +8,6 @@ is carried too.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -25,9 +24,8 @@ from lacore.program.kinematic import (
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Facts, Shown
 from lacore.reporting.status import Status
-from lacore.solvers.backend import PreparedSolver, checked_answer
+from lacore.solvers.backend import Prepare, checked_answer
 
-Prepare = Callable[[KinematicProgram], PreparedSolver]
 _SHARP = 1e-7  # residual of an end whose branches are right: solvers and slack leave less
 _FURTHER = 2  # faces tried after one that is good, but not as good as that
 _FAR = 100.0  # of the power turned over: where the state is looked at that proves an unbounded end

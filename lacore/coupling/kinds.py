@@ -66,7 +66,7 @@ class CouplingKind:
             return loop(run)
         laws = self.laws_of(run.program.contact)
         assert laws is not None
-        return run.judged(run.solve(self.name, laws, laws), laws)
+        return run.finish(run.solve(self.name, laws, laws), laws)
 
     def program_of(self, program: KinematicProgram) -> KinematicProgram:
         """Return the program that is solved, with the flow of its soils as the coupling takes it.

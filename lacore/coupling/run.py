@@ -31,7 +31,7 @@ from lacore.reporting.errors import (
 from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
-from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
 from lacore.solvers.inner.left_over import impossible
 
 STARTS = ("associated", "zero")
@@ -199,8 +199,8 @@ class Run:
     regularised: bool
     options: CouplingOptions
     on_iterate: Callable[[Iterate], None]
-    prepare: Callable[[KinematicProgram], PreparedSolver] | None = None
-    roughly: Callable[[KinematicProgram], PreparedSolver] | None = None
+    prepare: Prepare | None = None
+    roughly: Prepare | None = None
     iterates: list[Iterate] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
     near: Nearby = field(default_factory=Nearby)
@@ -314,13 +314,13 @@ class Run:
         proven = [one for one in self.iterates if self.proven(one) and not self.free(one)]
         return min(proven, key=worst, default=None)
 
-    def judged(
+    def finish(
         self,
         iterate: Iterate,
         laws: FrozenContact | None = None,
         findings: tuple[Finding, ...] = (),
     ) -> Coupled:
-        """The end of a loop at an iterate that is final."""
+        """End the loop at an iterate, with the status that its residuals prove."""
         status = iterate.inner.status
         if iterate.state is not None:
             if self.free(iterate, laws):

@@ -25,7 +25,6 @@ from lacore.coupling.interval import (
     End,
     EndStatus,
     Interval,
-    Prepare,
     load_factor_interval,
     proven_end,
 )
@@ -36,7 +35,7 @@ from lacore.program.kinematic import KinematicProgram, associated_contact, frict
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
-from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
 
 LOW, HIGH = -1.0, 1.0
 _STEPS = 10  # of friction

@@ -11,7 +11,7 @@ from lacore.model.problem.problem import Problem
 from lacore.reporting.errors import typed
 from lacore.reporting.findings import Finding
 from lacore.reporting.status import Rigor, Status
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.registry import PROVING_BACKEND
 
 
 @typed()
@@ -42,4 +42,4 @@ def advice(state: LimitState) -> tuple[Finding, ...]:
 
 
 def _associated(problem: Problem) -> float:
-    return solve(problem, JUDGE, ASSOCIATED).load_factor
+    return solve(problem, PROVING_BACKEND, ASSOCIATED).load_factor

@@ -7,7 +7,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.coupling.claims.judged import Ray
+from lacore.coupling.claims.proving import Ray
 from lacore.program.kinematic import Scales
 from lacore.program.state import ProgramState
 

@@ -15,7 +15,7 @@ from lacore.program.state import ProgramState
 from lacore.reporting import terms
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import text
-from lacore.solvers.inner.preparing import prepared_by
+from lacore.solvers.inner.preparing import preparer_named
 
 
 def interval_of_state(
@@ -46,7 +46,7 @@ def interval_of_state(
             text("take {}, which looks for the range of load factors", terms.SOIL_RANGE),
         )
     program = dimensionless(discretisation.program, discretisation.natural)
-    prepare = prepared_by(backend, options)
+    prepare = preparer_named(backend, options)
     found = load_factor_interval(
         program, point_in_program(discretisation, point), prepare, tolerance
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.bounds import kinematic_load_factor
-from lacore.coupling.claims.judged import Ray
+from lacore.coupling.claims.proving import Ray
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.run import Coupled
 from lacore.limit import cells
@@ -114,9 +114,9 @@ class Outcome(Compact):
         normal = COUPLINGS[self.coupling].bounds == "upper" or full.associated_flow
         if normal and strict_bound(self.discretisation):
             return Rigor.UPPER
-        stated = self.discretisation.problem
+        problem = self.discretisation.problem
         exact = self.discretisation.scope is Scope.ITSELF and full.associated_flow
-        below = exact and cells.from_below(stated) and not cells.from_above(stated)
+        below = exact and cells.from_below(problem) and not cells.from_above(problem)
         return Rigor.LOWER if below else Rigor.DISCRETE
 
 

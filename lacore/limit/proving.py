@@ -10,22 +10,23 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.coupling.claims.judged import CLAIMED, Prepare, judged_claim
+from lacore.coupling.claims.proving import CLAIMED, prove_claim
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run
-from lacore.limit.engines import engine_for, stated
+from lacore.limit.backend_choice import backend_for, program_to_solve
 from lacore.limit.outcome import Outcome, Proof, Times, outcome_of
 from lacore.limit.stability import stability_of
 from lacore.model.problem.problem import Problem
 from lacore.program.kinematic import KinematicProgram, associated_contact, frictionless_contact
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
+from lacore.solvers.backend import Prepare
 from lacore.solvers.compilation import SolveClock
-from lacore.solvers.inner.preparing import prepared_by, preparing, rough
+from lacore.solvers.inner.preparing import preparer, preparer_named, rough_options
 from lacore.solvers.inner.rescaling import good_for
 from lacore.solvers.isolation import SolverProcess, make_ready
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.registry import PROVING_BACKEND
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,21 +50,21 @@ class Request(Compact):
 
 def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outcome:
     """Solve with hinges at the nodes that there are, and prove what the loop claims."""
-    engine, coupling, options = engine_for(
+    backend, coupling, options = backend_for(
         request.backend, request.coupling, request.options, request.process
     )
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
-    program = stated(problem, engine, coupling, request.coupling)
+    program = program_to_solve(problem, backend, coupling, request.coupling)
     near, loop = request.near.within(program), request.loop
     if not program.frictional:
         loop = replace(loop, accepted=None)
     build_time, clock = time.perf_counter() - begin, SolveClock()
-    make_ready(engine)
-    regularised = engine.capabilities.regularised
-    prepare = preparing(engine, options, good_for(loop.tolerance))
-    loose = rough(engine, options)
+    make_ready(backend)
+    regularised = backend.capabilities.regularised
+    prepare = preparer(backend, options, good_for(loop.tolerance))
+    loose = rough_options(backend, options)
     with closing(prepare(program.associated())) as solver:
         run = Run(
             program,
@@ -72,15 +73,17 @@ def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outco
             loop,
             request.on_iterate,
             prepare,
-            roughly=lambda own: engine.prepare(own, loose),
+            roughly=lambda own: backend.prepare(own, loose),
             near=near,
             time_limit=options.time_limit,
         )
         coupled = COUPLINGS[coupling].run(run)
     proof = None
     if coupled.status in CLAIMED:
-        judge = prepared_by(JUDGE, {}) if regularised else preparing(engine, options)
-        proof = _proof(problem, program, coupled, coupling, judge, request)
+        prove_with = (
+            preparer_named(PROVING_BACKEND, {}) if regularised else preparer(backend, options)
+        )
+        proof = _proof(problem, program, coupled, coupling, prove_with, request)
     times = Times(build_time, clock.seconds, clock.compile_time)
     return outcome_of(
         problem, program, coupled, coupling, times, regularised=regularised, proof=proof
@@ -96,7 +99,7 @@ def _proof(
     request: Request,
 ) -> Proof:
     """Prove a claim that needs a solver: LOCKED by a ray, UNSAFE by a mechanism."""
-    status, why, ray = judged_claim(
+    status, why, ray = prove_claim(
         coupled.status,
         program,
         coupled.laws or frictionless_contact(program.contact),
@@ -107,6 +110,11 @@ def _proof(
     falling = None
     if status is Status.UNSAFE and program.homogeneous:
         falling = stability_of(
-            problem, request.backend, request.options, coupling, coupled.tolerance, np.nan
+            problem,
+            request.backend,
+            request.options,
+            coupling,
+            coupled.tolerance,
+            load_factor=np.nan,  # none is proven to be carried
         ).point
     return Proof(status, (why,) if why else (), ray, falling)

@@ -18,7 +18,6 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.claims.carrying import Carrying, carrying
-from lacore.coupling.interval import Prepare
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
@@ -38,13 +37,13 @@ from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Facts, Shown
 from lacore.reporting.status import Standing, Status
 from lacore.reporting.text import PYTHON, Reader
-from lacore.solvers.backend import checked_answer, find_backend
-from lacore.solvers.inner.preparing import prepared_by
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.backend import Prepare, checked_answer, find_backend
+from lacore.solvers.inner.preparing import preparer_named
+from lacore.solvers.registry import PROVING_BACKEND
 
 Verdict = tuple[Standing, tuple[Finding, ...]]
-Judge = Callable[[Standing, tuple[Finding, ...]], Verdict]
-"""What becomes of what is proven of the discrete problem, and what there is to report."""
+Conclude = Callable[[Standing, tuple[Finding, ...]], Verdict]
+"""Returns the verdict to report, given what is proven of the discrete problem."""
 
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
@@ -121,7 +120,7 @@ def stability_of(
     coupling: str,
     tolerance: float,
     load_factor: float,
-    judge: Judge = lambda *proven: proven,
+    conclude: Conclude = lambda *proven: proven,
 ) -> Stability:
     """What is proven of the problem that a state answers.
 
@@ -134,7 +133,7 @@ def stability_of(
         tolerance: bar for all residuals.
         load_factor: of the state, where its own stresses and reactions prove that it is carried;
             +inf of a load that is locked; NaN of any other.
-        judge: has the last word on what is proven of the discrete problem.
+        conclude: returns the verdict to report, given what is proven of the discrete problem.
 
     Raises:
         InputError: a state within a step of a path: how fast it moves is given there.
@@ -146,21 +145,21 @@ def stability_of(
         "ask for the stability of a state of lacore.solve",
     )
     if find_backend(backend).capabilities.regularised:
-        backend, options, load_factor = JUDGE, {}, np.nan
-    stated = dimensionless(discretisation.program, discretisation.natural)
+        backend, options, load_factor = PROVING_BACKEND, {}, np.nan
+    scaled = dimensionless(discretisation.program, discretisation.natural)
     kind = COUPLINGS[coupling]
-    program = kind.program_of(stated).associated()  # what is carried asks for no flow
+    program = kind.program_of(scaled).associated()  # what is carried asks for no flow
     rows = program.contact
     laws = kind.laws_of(rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
-    prepare = prepared_by(backend, options)
+    prepare = preparer_named(backend, options)
     found = carrying(program, laws, prepare, tolerance)
     standing, point, why = _proven(discretisation, found, tolerance)
     if standing is Standing.STANDS:
         known = [0.0, *known]
     elif standing is Standing.FALLS:
         known += _carried_ends(discretisation, program, laws, prepare, tolerance)
-    standing, findings = judge(standing, (why,) if why else ())
+    standing, findings = conclude(standing, (why,) if why else ())
     low, high = min(known, default=np.nan), max(known, default=np.nan)
     return Stability(
         standing=standing,

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import pore_pressures, total_stress
-from lacore.coupling.claims.judged import Ray
+from lacore.coupling.claims.proving import Ray
 from lacore.coupling.interval import Interval
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit.checking import checked

@@ -28,7 +28,7 @@ from lacore.solvers.backend import (
     find_backend,
     read_options,
 )
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
 _CLOSER = 0.8  # of the strength that would make the excess just the one allowed
@@ -154,7 +154,7 @@ def _solved(program: KinematicProgram, contact: FrozenContact, state: LimitState
     """The velocity of one solve; None where it is not admissible to the tolerance of the state."""
     backend = find_backend(state.backend)
     check_capable(backend, program)
-    prepare = preparing(backend, read_options(backend, state.options))
+    prepare = preparer(backend, read_options(backend, state.options))
     solver = prepare(program)
     try:
         point = checked_answer(program, False, solver.solve(contact)).point

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import Any
 
 from lacore.coupling.kinds import COUPLINGS
-from lacore.limit.engines import engine_for
+from lacore.limit.backend_choice import backend_for
 from lacore.model.contact.interfaces import Interface
 from lacore.model.problem.problem import Problem
 from lacore.paths import drift
@@ -137,7 +137,7 @@ def sequential(
         [1.31, 1.18]
     """
     _check(travel, steps, scheme, keep_every, tolerance)
-    engine, _, _ = engine_for(backend, coupling, options or {})
+    engine, _, _ = backend_for(backend, coupling, options or {})
     _check_coupling(coupling)
     require_selection(selection, engine)
     given_hooks = known_hooks(hooks)

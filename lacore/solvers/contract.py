@@ -128,6 +128,10 @@ class PreparedSolver(Protocol):
         """
 
 
+Prepare = Callable[[KinematicProgram], PreparedSolver]
+"""Prepares a backend, whose options are chosen, for a program."""
+
+
 class Backend(Protocol):
     """A solver that can be plugged in; what is a property here may be a class attribute."""
 

@@ -24,7 +24,7 @@ GROUP = "lacore.backends"
 _OWN = "lacore_backends"  # the package of ours
 CALIBRATION = "clarabel"
 """Backend of lacore with which comparisons repeat a short solve, to measure the machine."""
-JUDGE = "auto"
+PROVING_BACKEND = "auto"
 """Exact backend that proves what others claim, where these prove no equilibrium; by two solvers."""
 
 

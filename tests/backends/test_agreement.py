@@ -14,7 +14,7 @@ from lacore.program.certificate import certify
 from lacore.program.kinematic import associated_contact, dimensionless, reaction_contact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import check_capable, find_backend, load_backend
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 from lacore_verification.catalogue.catalogue import catalogue
 from tests.backends.variants import METALS, VARIANTS, require_fit
 
@@ -55,7 +55,7 @@ def stated(case_id, variant):
     d = la.discretise(case.problem(chosen, "coarse"))
     program = dimensionless(d.program, d.natural)
     backend = find_backend("clarabel")
-    prepare = preparing(backend, backend.Options())
+    prepare = preparer(backend, backend.Options())
     solver = prepare(program)
     normal = associated_contact(program.contact)
     first = solver.solve(normal)

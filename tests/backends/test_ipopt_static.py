@@ -21,7 +21,7 @@ from lacore.program.kinematic import (
     reaction_contact,
 )
 from lacore.reporting.status import Status
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 from lacore_backends._ipopt import STATUS_MAP
 from lacore_backends._static_program import LARGEST
 from lacore_backends.clarabel_socp import Clarabel, ClarabelOptions
@@ -124,7 +124,7 @@ def test_a_point_of_contact(reference, held, load_factor, velocity, t_n, t_t):
 
 def both(stated, held):
     """The answers of this backend and of Clarabel, which is asked as `lacore.solve` asks it."""
-    prepare = preparing(Clarabel(), ClarabelOptions())
+    prepare = preparer(Clarabel(), ClarabelOptions())
     return solve(stated, held), prepare(stated).solve(held)
 
 

@@ -42,7 +42,7 @@ from lacore.reporting.status import Scope, Status
 from lacore.reporting.text import text
 from lacore.solvers.backend import Backend, read_options
 from lacore.solvers.compilation import SolveClock
-from lacore.solvers.inner.preparing import preparing, require_exact
+from lacore.solvers.inner.preparing import preparer, require_exact
 from lacore.solvers.inner.rescaling import good_for
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
@@ -196,7 +196,7 @@ def _searched(
         if on_progress is not None:
             on_progress(rows[-1])
 
-    prepare = preparing(engine, settings, good_for(tolerance))
+    prepare = preparer(engine, settings, good_for(tolerance))
     with closing(prepare(program)) as solver:
         bounds, admissible = coulomb_bounds(program, solver, tolerance)
         if first.status is Status.UNSAFE:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.coupling.claims.judged import Ray
+from lacore.coupling.claims.proving import Ray
 from lacore.limit.state import LimitState
 from lacore.reporting.findings import Finding, texts
 from lacore.reporting.showing import Facts, Picture, counted

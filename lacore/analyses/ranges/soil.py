@@ -36,7 +36,7 @@ from lacore.reporting.status import Status
 from lacore.reporting.text import Term, text
 from lacore.solvers.backend import Backend, check_capable, read_options
 from lacore.solvers.compilation import SolveClock
-from lacore.solvers.inner.preparing import preparing, require_exact
+from lacore.solvers.inner.preparing import preparer, require_exact
 from lacore.solvers.inner.rescaling import good_for
 
 SHARES = (1.0, 0.6, 0.3)
@@ -201,7 +201,7 @@ def _searched(
     rows: list[dict[str, Any]] = []
     ends: list[tuple[SoilFound, float]] = []
     stop = None
-    prepare = preparing(engine, read_options(engine, options), good_for(aims.tolerance))
+    prepare = preparer(engine, read_options(engine, options), good_for(aims.tolerance))
     with closing(prepare(program.associated())) as solver:
         run = Run(program, solver, False, aims, lambda _: None, prepare)
         low, high = soil_bounds(run)

@@ -8,7 +8,6 @@ drives, ``Fd.u > D(u)``, and nothing can carry it. The program has a solution wh
 structure, and each answer is judged by residuals of our own.
 """
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 
@@ -19,7 +18,7 @@ from lacore.program.certificate import certify
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
-from lacore.solvers.backend import PreparedSolver, checked_answer
+from lacore.solvers.backend import Prepare, checked_answer
 from lacore.solvers.inner.own_unknown import with_own_unknown
 
 _SOME = 1e-3  # share, or power of the dead load per S: less is noise of a solver
@@ -45,7 +44,7 @@ class Carrying(Compact):
 def carrying(
     program: KinematicProgram,
     contact: FrozenContact,
-    prepare: Callable[[KinematicProgram], PreparedSolver],
+    prepare: Prepare,
     tolerance: float,
 ) -> Carrying:
     """Whether the dead load of a program is carried, without its reference load.

@@ -5,7 +5,6 @@ driven by the dead load: ``F0.u = 0, Fd.u > D(u)``. A solver's word for it is no
 is, and our own code judges it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.part_forces import own_loads
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
-from lacore.solvers.backend import PreparedSolver, checked_answer
+from lacore.solvers.backend import Prepare, checked_answer
 from lacore.solvers.inner.rescaling import PartUnits
 from lacore.solvers.inner.rigid_cleaning import cleaned
 
@@ -57,7 +56,7 @@ class DeadCollapse(Compact):
 def dead_collapse(
     program: KinematicProgram,
     contact: FrozenContact,
-    prepare: Callable[[KinematicProgram], PreparedSolver],
+    prepare: Prepare,
     tolerance: float,
 ) -> DeadCollapse | None:
     """The mechanism by which the dead load falls; None where none is found that proves it.
@@ -142,7 +141,7 @@ def _driven(
 def _by_cones(
     driven: KinematicProgram,
     frozen: FrozenContact,
-    prepare: Callable[[KinematicProgram], PreparedSolver],
+    prepare: Prepare,
 ) -> Floats | None:
     """The velocity that dissipates least."""
     solver = prepare(driven)

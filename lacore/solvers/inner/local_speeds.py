@@ -12,7 +12,6 @@ are many. The load factor stays. The units are found by solving, as those of par
 (`lacore.solvers.inner.rescaling`).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,11 +21,9 @@ from lacore.numerics.arrays import Floats, Sparse
 from lacore.program.dissipation import DissipationGroup
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
-from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.solvers.backend import InnerSolution, Prepare, checked_answer
 from lacore.solvers.inner.left_over import dilates_besides
 from lacore.solvers.inner.rescaling import largest_residual, of_both
-
-Prepare = Callable[[KinematicProgram], PreparedSolver]
 
 _LEFT = 10.0  # times what is good enough: what is worth another solve
 _ALIKE = 10.0  # ratio of units to those of the solve before that are as good

@@ -1,39 +1,48 @@
-"""A backend ready for one program after another, asked in scaled units."""
+"""Prepare backends for one program after another, in scaled units."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from lacore.program.kinematic import KinematicProgram
 from lacore.reporting.errors import CapabilityError
-from lacore.solvers.backend import TRUE_GAP, Backend, PreparedSolver, find_backend, read_options
+from lacore.solvers.backend import (
+    TRUE_GAP,
+    Backend,
+    Prepare,
+    PreparedSolver,
+    find_backend,
+    read_options,
+)
 from lacore.solvers.inner.local_speeds import LocalSpeedSolver
 from lacore.solvers.inner.rescaling import GOOD, RescalingSolver
 from lacore.solvers.inner.strong_bodies import StrongBodySolver
 
-Prepare = Callable[[KinematicProgram], PreparedSolver]
 ROUGH = 1e-4
-"""Nominal tolerance of solves whose answers are only where others begin."""
+"""Nominal tolerance of rough solves, whose answers only start more accurate ones."""
 
 
-def rough(backend: Backend, options: Any) -> Any:
-    """Options of such a solve; those given where the backend has no tolerance, or a looser one."""
+def rough_options(backend: Backend, options: Any) -> Any:
+    """Return the options of a rough solve.
+
+    They are the given ones if the backend has no tolerance, or if theirs is looser.
+    """
     if not hasattr(options, "tolerance"):
         return options
     loose = ROUGH * (TRUE_GAP if backend.capabilities.true_gap else 1.0)
     return replace(options, tolerance=max(loose, options.tolerance))
 
 
-def preparing(backend: Backend, options: Any, good: float = GOOD) -> Prepare:
-    """Return the function that puts a backend to work on a program.
+def preparer(backend: Backend, options: Any, good: float = GOOD) -> Prepare:
+    """Return the function that prepares a backend for a program.
 
     Args:
-        backend: Exact ones are asked for strong bodies as rigid ones first
+        backend: Exact backends first solve with strong bodies as rigid
             (`lacore.solvers.inner.strong_bodies`), and in units of the parts of a program
-            (`lacore.solvers.inner.rescaling`); penalties of regularised ones (T20) are not to be
+            (`lacore.solvers.inner.rescaling`). Penalties of regularised backends (T20) must not be
             scaled.
-        options: Of the backend.
-        good: Residual of a solve with which it is not asked again in other units.
+        options: Options of the backend.
+        good: Residual below which a solve is not repeated in other units.
     """
 
     def plain(program: KinematicProgram) -> PreparedSolver:
@@ -48,28 +57,28 @@ def preparing(backend: Backend, options: Any, good: float = GOOD) -> Prepare:
     return lambda program: StrongBodySolver(program, lambda own: RescalingSolver(own, local, good))
 
 
-def prepared_by(name: str, options: Mapping[str, Any], good: float = GOOD) -> Prepare:
-    """Find a backend, read its options, and return the function that puts it to work.
+def preparer_named(name: str, options: Mapping[str, Any], good: float = GOOD) -> Prepare:
+    """Find a backend, read its options, and return the function that prepares it.
 
     Args:
-        name: Of the backend.
-        options: By name.
-        good: See `preparing`.
+        name: Name of the backend.
+        options: Options of the backend, by name.
+        good: See `preparer`.
 
     Raises:
         InputError: There is no such backend, or an option is invalid.
         CapabilityError: The backend is missing.
     """
     backend = find_backend(name)
-    return preparing(backend, read_options(backend, options), good)
+    return preparer(backend, read_options(backend, options), good)
 
 
 def require_exact(name: str, result: str) -> Backend:
-    """Return a backend that is exact.
+    """Find a backend and raise an error unless it is exact.
 
     Args:
-        name: Of the backend.
-        result: What is to be proven: ``a lower bound``.
+        name: Name of the backend.
+        result: Result that the backend is to prove, for the message: ``a lower bound``.
 
     Raises:
         InputError: There is no such backend.

@@ -9,7 +9,7 @@ The units are found by solving: they are made of the loads and reactions of the 
 made anew only while the residuals by part (`lacore.program.certificate`) ask for it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,11 +21,9 @@ from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContac
 from lacore.program.part_forces import own_loads, part_forces
 from lacore.program.state import ProgramState
 from lacore.reporting.status import Status
-from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
 from lacore.solvers.inner.left_over import dilates_besides, judged_left
 from lacore.solvers.inner.rigid_cleaning import cleaned
-
-Prepare = Callable[[KinematicProgram], PreparedSolver]
 
 GOOD = 1e-8  # residual with which those who state no bar ask for no more
 _SHARE = 0.1  # of the bar: what a solve may leave, the rest is for the loop around it

@@ -7,7 +7,6 @@ reactions are those of the whole program if stresses in equilibrium with them li
 strength; those of an elastic body are, and are recomputed like any others.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,11 +25,9 @@ from lacore.program.kinematic import (
 from lacore.program.reduction import reduced
 from lacore.program.state import ProgramState, out_of_balance
 from lacore.reporting.status import Status
-from lacore.solvers.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
 from lacore.solvers.inner.rescaling import largest_residual, of_both, proven
 from lacore.solvers.inner.rigid_motions import motions_without_strain, weighted_rows
-
-Prepare = Callable[[KinematicProgram], PreparedSolver]
 
 _STRONG = 1e3  # strength per what else limits the load; below it solvers have digits enough
 _GOOD = 1e-7  # residual of an answer that needs no second solve

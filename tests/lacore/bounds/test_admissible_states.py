@@ -17,7 +17,7 @@ from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.program.certificate import certify
 from lacore.program.kinematic import associated_contact
 from lacore.program.state import out_of_balance
-from lacore.solvers.inner.preparing import prepared_by
+from lacore.solvers.inner.preparing import preparer_named
 from tests.lacore.models import CRITERION, square
 from tests.lacore.planted import MU, P0, flowing, flowing_field, on_free_unknowns, sliding
 
@@ -213,7 +213,7 @@ def test_flow_of_soil_is_moved_to_what_is_possible():
     state = la.solve(d)
     basis = d.free_basis.toarray()
     velocity = np.linalg.lstsq(basis, state.point.velocity, rcond=None)[0]
-    moved = possible_velocity(d.program, velocity, prepared_by("clarabel", {}))
+    moved = possible_velocity(d.program, velocity, preparer_named("clarabel", {}))
     assert group.impossible(moved).max() <= 0
     assert np.abs(moved - velocity).max() <= 1e-3 * np.abs(velocity).max()
     assert d.program.reference_load @ moved == pytest.approx(1.0)

@@ -25,7 +25,7 @@ from lacore.coupling.steps import alternate, mean, static_alone
 from lacore.program.kinematic import associated_contact, dimensionless
 from lacore.reporting.status import Status
 from lacore.solvers.backend import find_backend, read_options
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 from tests.coulomb_checker import accepts, residuals
 from tests.rigid_problems import incline
 from tests.statements import stated
@@ -62,7 +62,7 @@ def started(problem):
     stated = la.discretise(problem)
     program = dimensionless(stated.program, stated.natural)
     engine = find_backend("clarabel")
-    prepare = preparing(engine, read_options(engine, {}))
+    prepare = preparer(engine, read_options(engine, {}))
     solver = prepare(program)
     run = Run(program, solver, False, CouplingOptions(), lambda _: None, prepare)
     run.solve("associated", associated(program).contact)

@@ -36,8 +36,8 @@ def iterate(state=STATE, program=D.program, status=Status.SOLVED, regularised=No
 def test_an_exact_state_is_accepted():
     run = run_of()
     assert run.proven(iterate())
-    assert run.judged(iterate()).status is Status.SOLVED
-    assert run.judged(iterate(status=Status.ITERATION_LIMIT)).status is Status.SOLVED
+    assert run.finish(iterate()).status is Status.SOLVED
+    assert run.finish(iterate(status=Status.ITERATION_LIMIT)).status is Status.SOLVED
     assert not run.free(iterate())
 
 
@@ -45,8 +45,8 @@ def test_an_exact_state_is_accepted():
 def test_a_state_that_is_off_is_not(name):
     run, wrong = run_of(), replace(STATE, **{name: 1.0001 * getattr(STATE, name)})
     assert not run.proven(iterate(wrong))
-    assert run.judged(iterate(wrong)).status is Status.NOT_CERTIFIED
-    stalled = run.judged(iterate(wrong, status=Status.STALLED))
+    assert run.finish(iterate(wrong)).status is Status.NOT_CERTIFIED
+    stalled = run.finish(iterate(wrong, status=Status.STALLED))
     assert stalled.status is Status.STALLED
     assert not run.proven(iterate(certificate=None))
     assert not run.proven(iterate(state=STATE, certificate=None))
@@ -113,7 +113,7 @@ def test_a_motion_that_nothing_resists_is_free(regularised):
     values = RegularisedValues(0.0, 0.0, 0.0, 0.0) if regularised else None
     run = run_of(program, regularised)
     assert run.free(iterate(state, program, regularised=values))
-    assert run.judged(iterate(state, program, regularised=values)).status is Status.FREE
+    assert run.finish(iterate(state, program, regularised=values)).status is Status.FREE
     loaded = replace(state, load_factor=1e-3)
     values = RegularisedValues(1e-3, 1e-3, 1e-3, 1e-3) if regularised else None
     assert not run.free(iterate(loaded, program, regularised=values))

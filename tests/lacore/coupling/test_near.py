@@ -12,7 +12,7 @@ import lacore.coupling.certified as certified
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.stage import staged
 from lacore.reporting.errors import InputError
-from lacore.solvers.inner.preparing import ROUGH, rough
+from lacore.solvers.inner.preparing import ROUGH, rough_options
 from lacore_backends.clarabel_socp import Clarabel
 from tests.lacore.paths.path_billets import billet
 
@@ -171,7 +171,7 @@ def test_rough_is_no_tighter_than_what_was_asked_for():
     """By the gap that a backend leaves, as elsewhere."""
     for name, expected in (("clarabel", ROUGH), ("auto", ROUGH * la.solvers.backend.TRUE_GAP)):
         backend = la.find_backend(name)
-        assert rough(backend, backend.Options()).tolerance == expected
-        assert rough(backend, backend.Options(tolerance=0.1)).tolerance == 0.1
-        assert rough(backend, backend.Options(time_limit=7.0)).time_limit == 7.0
-    assert rough(la.find_backend("clarabel"), None) is None
+        assert rough_options(backend, backend.Options()).tolerance == expected
+        assert rough_options(backend, backend.Options(tolerance=0.1)).tolerance == 0.1
+        assert rough_options(backend, backend.Options(time_limit=7.0)).time_limit == 7.0
+    assert rough_options(la.find_backend("clarabel"), None) is None

@@ -11,7 +11,7 @@ from lacore.coupling.claims.free_motion import without_dissipation
 from lacore.coupling.claims.locking_ray import locking_ray
 from lacore.program.kinematic import associated_contact, dimensionless, frictionless_contact
 from lacore.solvers.backend import InnerSolution
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 from tests.shares import one_in
 
 R = la.masonry.rectangle
@@ -103,7 +103,7 @@ def test_the_word_of_a_solver_is_not_enough(status, monkeypatch):
     assert state.status is la.Status.NOT_CERTIFIED
     assert "the solver calls" in state.message
     assert not locking_ray(program, frictionless_contact(program.contact)).proves
-    prepare = preparing(backend, backend.Options())
+    prepare = preparer(backend, backend.Options())
     assert dead_collapse(program, contact, prepare, 1e-6) is None
 
 
@@ -127,7 +127,7 @@ def test_a_light_block_that_falls_makes_a_structure_unsafe(light, backend):
     assert state.status is la.Status.UNSAFE
     program, contact = frozen(problem)
     engine = la.find_backend(backend)
-    prepare = preparing(engine, engine.Options())
+    prepare = preparer(engine, engine.Options())
     fall = dead_collapse(program, contact, prepare, 1e-6)
     assert fall.carried < 1e-6  # nothing resists turning about the edge
     assert program.dead_load @ fall.point.velocity == pytest.approx(1.0)
@@ -184,7 +184,7 @@ def test_a_mode_that_no_load_drives_frees_nothing():
     )
     program, contact = frozen(problem)
     backend = la.find_backend("clarabel")
-    prepare = preparing(backend, backend.Options())
+    prepare = preparer(backend, backend.Options())
     point = prepare(program).solve(contact).point
     discretisation = la.discretise(problem)
     sliding = np.zeros(discretisation.full.n)

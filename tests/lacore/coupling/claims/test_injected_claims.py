@@ -14,7 +14,7 @@ from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged,
 from lacore.program.kinematic import associated_contact, reaction_contact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
-from lacore.solvers.inner.preparing import prepared_by
+from lacore.solvers.inner.preparing import preparer_named
 from tests.lacore.coupling.claims.test_claims import frozen, on_incline
 from tests.lacore.coupling.claims.test_rays import in_a_box
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
@@ -123,7 +123,7 @@ def test_a_locking_ray_needs_what_shifts_cannot_release():
 
 def answering(change):
     """A solver whose answers are changed."""
-    true = prepared_by("clarabel", {})
+    true = preparer_named("clarabel", {})
 
     def prepare(program):
         class Solver:
@@ -226,7 +226,7 @@ def test_a_base_carries_a_block_from_its_pull_on(share):
     """A limit of friction, of a share of what pulls a block down a slope: it falls below 1."""
     pull = 2.0 * np.sin(0.3)  # the base is 1 m long
     program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
-    found = carrying(program, contact, prepared_by("clarabel", {}), TOLERANCE)
+    found = carrying(program, contact, preparer_named("clarabel", {}), TOLERANCE)
     assert (found.carried is not None) == (share > 1)
     assert (found.falling is not None) == (share < 1)
     assert found.residual <= TOLERANCE
@@ -260,7 +260,7 @@ def test_a_collapse_is_proven_by_what_its_mechanism_dissipates(share):
     pull = 2.0 * np.sin(0.3)
     program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (0.0, 1.0), weight=2.0))
     still = replace(program, reference_load=across(program))
-    found = dead_collapse(still, contact, prepared_by("clarabel", {}), TOLERANCE)
+    found = dead_collapse(still, contact, preparer_named("clarabel", {}), TOLERANCE)
     assert (found is not None) == (share < 1)
     if found is not None:
         assert found.carried == pytest.approx(share, rel=1e-6)
@@ -285,7 +285,7 @@ def test_a_column_is_crushed_by_its_weight_beyond_the_strength(share):
         dead_loads=[la.Pressure("b", "top", 2.0 / share)],
     )
     program, contact = frozen(problem)
-    found = dead_collapse(program, contact, prepared_by("clarabel", {}), TOLERANCE)
+    found = dead_collapse(program, contact, preparer_named("clarabel", {}), TOLERANCE)
     assert (found is not None) == (share < 1)
     if found is not None:
         assert found.carried == pytest.approx(share, rel=1e-5)

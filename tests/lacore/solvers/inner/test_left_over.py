@@ -11,7 +11,7 @@ from lacore.program.kinematic import associated_contact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, find_backend, read_options
 from lacore.solvers.inner.left_over import idle, impossible, judged_left, left_over
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 from lacore.solvers.inner.rescaling import RescalingSolver, good_for, proven
 from lacore_verification.fuzz.programs.drawn import draw_program
 
@@ -36,7 +36,7 @@ def free():
     program = la.discretise(on_rails(-0.05)).program
     contact = associated_contact(program.contact)
     backend = find_backend("clarabel")
-    prepare = preparing(backend, read_options(backend, {}))
+    prepare = preparer(backend, read_options(backend, {}))
     return program, contact, prepare(program).solve(contact)
 
 
@@ -123,7 +123,7 @@ def test_a_light_block_out_of_balance_is_solved_again_or_not_called_solved():
     assert alone.status is Status.SOLVED
     assert certify(drawn.program, alone.point, drawn.contact).worst[1] > BAR
 
-    prepare = preparing(backend, read_options(backend, {}), good=good_for(BAR))
+    prepare = preparer(backend, read_options(backend, {}), good=good_for(BAR))
     again = prepare(drawn.program).solve(drawn.contact)
     assert certify(drawn.program, again.point, drawn.contact).holds(BAR)
     assert again.status is Status.SOLVED
@@ -143,7 +143,7 @@ def test_what_units_of_loads_do_not_solve_is_asked_as_it_is():
     """Weights decades apart: in units of them it stalled at 0.16, and as it is it is solved."""
     drawn = draw_program("weights", 12, 0, 18)
     backend = find_backend("clarabel")
-    prepare = preparing(backend, read_options(backend, {}), good=good_for(BAR))
+    prepare = preparer(backend, read_options(backend, {}), good=good_for(BAR))
     found = prepare(drawn.program).solve(drawn.contact)
     assert found.status is Status.SOLVED
     assert certify(drawn.program, found.point, drawn.contact).holds(BAR)

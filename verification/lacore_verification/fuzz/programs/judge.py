@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.coupling.claims.judged import judged_claim
+from lacore.coupling.claims.proving import prove_claim
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.reporting.errors import CapabilityError, LacoreError
 from lacore.reporting.status import Status
@@ -24,11 +24,11 @@ from lacore.solvers.backend import (
 from lacore.solvers.child_process import ENDED
 from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
 from lacore.solvers.inner.left_over import left_over
-from lacore.solvers.inner.preparing import preparing
+from lacore.solvers.inner.preparing import preparer
 from lacore.solvers.inner.rescaling import good_for
 from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.registry import PROVING_BACKEND
 from lacore_verification.fuzz.programs.drawn import Drawn
 
 RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"
@@ -98,7 +98,7 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
     watched = _Watched(backend)
     take_note(backend)
     try:
-        with closing(preparing(watched, own, good_for(BAR))(drawn.program)) as solver:
+        with closing(preparer(watched, own, good_for(BAR))(drawn.program)) as solver:
             answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
     except Exception as error:  # of the backend: the other programs go on
         text = str(error) if isinstance(error, LacoreError) else f"{type(error).__name__}: {error}"
@@ -195,8 +195,8 @@ def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> st
 
 def proven(word: Status, drawn: Drawn) -> bool:
     """Whether a mechanism of the dead loads, or reactions to the load, prove a word."""
-    judge = find_backend(JUDGE)
-    prepare = preparing(judge, read_options(judge, {}))
+    judge = find_backend(PROVING_BACKEND)
+    prepare = preparer(judge, read_options(judge, {}))
     laws = drawn.contact, drawn.contact
-    status, _, _ = judged_claim(word, drawn.program, *laws, prepare, BAR)
+    status, _, _ = prove_claim(word, drawn.program, *laws, prepare, BAR)
     return status is word

@@ -11,7 +11,7 @@ import lacore as la
 from lacore.coupling.run import PATH
 from lacore.limit.solve import solve
 from lacore.reporting.findings import stored
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.registry import PROVING_BACKEND
 from lacore_verification.case import Band, Reference
 from lacore_verification.defaults import RAW
 from lacore_verification.harness.evidence.limit_state import evidence_of
@@ -80,7 +80,7 @@ def _standing(state: la.LimitState) -> dict[str, Any]:
     """
     if la.find_backend(state.backend).capabilities.regularised:
         return {}
-    found = replace(state, backend=JUDGE, options={}).stability()
+    found = replace(state, backend=PROVING_BACKEND, options={}).stability()
     return {
         "standing": found.standing.label,
         "side": found.side,

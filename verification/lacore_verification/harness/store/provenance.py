@@ -16,7 +16,7 @@ from pathlib import Path
 import lacore as la
 from lacore import __version__
 from lacore.solvers.backend import load_backend
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.registry import PROVING_BACKEND
 from lacore_verification.runs.run import FUZZ, Run, canonical
 
 PACKAGES = (
@@ -85,7 +85,7 @@ def solvers_of(run: Run) -> tuple[str, ...]:
 def _packages(backends: Iterable[str]) -> tuple[str, ...]:
     """What numbers of backends are made with, and of the one that proves what others claim."""
     found = [*PACKAGES]
-    for name in dict.fromkeys((JUDGE, *backends)):
+    for name in dict.fromkeys((PROVING_BACKEND, *backends)):
         with suppress(la.CapabilityError):  # of a missing one the rows say so
             found += load_backend(name).capabilities.packages
     return tuple(dict.fromkeys(found))

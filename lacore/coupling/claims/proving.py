@@ -1,6 +1,5 @@
 """LOCKED, UNSAFE and a jam are claims like a load factor: proven here, or not made (T13)."""
 
-from collections.abc import Callable
 from contextlib import closing
 
 import numpy as np
@@ -12,16 +11,15 @@ from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
-from lacore.solvers.backend import PreparedSolver, checked_answer
-from lacore.solvers.inner.preparing import prepared_by
-from lacore.solvers.registry import JUDGE
+from lacore.solvers.backend import Prepare, checked_answer
+from lacore.solvers.inner.preparing import preparer_named
+from lacore.solvers.registry import PROVING_BACKEND
 
-Prepare = Callable[[KinematicProgram], PreparedSolver]
 Ray = LockingRay | DeadCollapse
 CLAIMED = (Status.LOCKED, Status.UNSAFE, Status.JAM)
 
 
-def judged_claim(
+def prove_claim(
     status: Status,
     program: KinematicProgram,
     admitting: FrozenContact,
@@ -71,7 +69,7 @@ def _mechanism(
 
     It is asked of lacore's own backend, not of the one that made the claim.
     """
-    with closing(prepared_by(JUDGE, {})(program)) as solver:
+    with closing(preparer_named(PROVING_BACKEND, {})(program)) as solver:
         point = checked_answer(program, False, solver.solve(contact)).point
     if point is None:
         return None
@@ -79,4 +77,4 @@ def _mechanism(
     sizes = {name: getattr(found, name) for name in ("penetration", "divergence", "normalisation")}
     if not all(size <= tolerance for size in sizes.values()):
         return None
-    return Finding(Kind.LOCKED_REFUTED, (), {"backend": JUDGE, **sizes}, Severity.REASON)
+    return Finding(Kind.LOCKED_REFUTED, (), {"backend": PROVING_BACKEND, **sizes}, Severity.REASON)

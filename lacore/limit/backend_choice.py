@@ -1,4 +1,7 @@
-"""Which backend answers which coupling, and what is refused before anything is solved."""
+"""Choose the backend, the coupling and the program of a solve.
+
+Unsupported combinations are rejected before anything is solved.
+"""
 
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
@@ -15,51 +18,59 @@ if TYPE_CHECKING:
     from lacore.assembly.discretisation import Discretisation
 
 
-def engine_for(
+def backend_for(
     backend: str,
     coupling: str | None,
     options: Mapping[str, Any],
     process: SolverProcess | None = None,
 ) -> tuple[Backend, str, Any]:
-    """A backend, the coupling that it is asked for or its default, and its options.
+    """Return a backend, the requested coupling or its default one, and its options.
 
     Args:
-        backend: Its name.
-        coupling: None for the default of the backend.
-        options: Of the backend, by name.
-        process: In which it is to work; None: as `lacore.solvers.registry.load_backend` decides.
+        backend: Name of the backend.
+        coupling: Name of the coupling; None selects the default of the backend.
+        options: Options of the backend, by name.
+        process: Process in which the backend works; None lets
+            `lacore.solvers.registry.load_backend` decide.
 
     Raises:
-        InputError: an unknown name, an option out of range, or a coupling that it cannot do.
-        CapabilityError: it is missing.
+        InputError: A name is unknown, an option is out of range, or the backend does not support
+            the coupling.
+        CapabilityError: The backend is missing.
     """
     if coupling is not None:
         require_known("coupling", coupling, COUPLINGS)
-    engine = find_backend(backend, process)
-    return engine, coupling_for(engine, coupling), read_options(engine, options)
+    found = find_backend(backend, process)
+    return found, coupling_for(found, coupling), read_options(found, options)
 
 
-def stated(
-    problem: Discretisation, engine: Backend, coupling: str, asked: str | None
+def program_to_solve(
+    problem: Discretisation, backend: Backend, coupling: str, requested: str | None
 ) -> KinematicProgram:
-    """The program that a coupling answers, dimensionless; `asked`: None, where it is the default.
+    """Return the dimensionless program that a coupling solves.
+
+    Args:
+        problem: The discretised problem.
+        backend: Backend that solves the program.
+        coupling: Name of the coupling.
+        requested: Coupling that the caller gave; None where `coupling` is the default.
 
     Raises:
-        InputError: a loop on contact reactions alone, beside soils whose flow is not associated;
-            numbers that are none.
-        CapabilityError: the backend cannot take it.
+        InputError: The coupling iterates on contact reactions only, and a soil has non-associated
+            flow; or a number of the problem is not finite.
+        CapabilityError: The backend does not support the program.
     """
     natural = dimensionless(problem.program, problem.natural)
     program = COUPLINGS[coupling].program_of(natural)
-    check_capable(engine, program)
+    check_capable(backend, program)
     if not program.frictional or coupling == CERTIFIED:
         return program
     why = "iterates on contact reactions, and a soil here dilates less than its friction"
     single = "'associated' or 'davis' for a single solve"
-    if asked is None:
+    if requested is None:
         raise InputError(
             "backend",
-            engine.name,
+            backend.name,
             f"is regularised, so that coupling={coupling!r} was chosen, which {why}",
             f"take an exact backend such as 'clarabel', or coupling={single}",
         )
