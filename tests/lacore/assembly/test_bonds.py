@@ -286,3 +286,28 @@ def test_what_is_bonded_is_in_equilibrium_as_one():
     bonded, stuck = (la.solve(cut_flat(friction=law)) for law in (la.BOND, la.STICK))
     counts = [np.unique(state.discretisation.full.parts).size for state in (bonded, stuck)]
     assert counts == [1, 2]
+
+
+def test_each_part_of_a_seam_costs_the_strength_of_its_weaker_side():
+    """Strengths that cross in the middle: one side is weaker on the left, the other on the right.
+
+    A relative speed of 1 along the seam costs the integral of the smaller strength (T23).
+    """
+    grows = la.Linear(1.5, (1.0, 0.0), at=(1.0, 0.0))
+    falls = la.Linear(1.5, (-1.0, 0.0), at=(1.0, 0.0))
+    bodies = {
+        "top": layer(X, (0.0, 1.0), 4, 1, criterion=la.VonMises(grows)),
+        "low": layer(X, (-1.0, 0.0), 2, 1, criterion=la.VonMises(falls)),
+    }
+    problem = la.Problem(
+        bodies,
+        [la.Traction("top", "left", (1, 0))],
+        [la.Fix("low", "bottom")],
+        [la.Interface(("top", "bottom"), ("low", "top"), la.BOND)],
+    )
+    d = la.discretise(problem)
+    speed = np.zeros(d.full.n)
+    speed[d.continua["top"].dofs[0]] = 1.0
+    assert len(d.seams) == 2
+    cost = sum(own.group.dissipation(speed).sum() for own in d.seams.values())
+    assert cost == pytest.approx(2.0)  # twice the integral of 0.5 + x from 0 to 1

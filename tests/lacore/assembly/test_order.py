@@ -32,10 +32,11 @@ def wall(seed):
     return dict(problem.bodies["blocks"].polygons), mu
 
 
-def listed(blocks, mu, order):
+def listed(blocks, mu, order, scale=1.0):
     names = np.array(list(blocks))[order]
+    polygons = {str(name): scale * np.array(blocks[str(name)]) for name in names}
     return la.Problem(
-        {"b": la.BlockAssembly({str(name): blocks[str(name)] for name in names}, mu)},
+        {"b": la.BlockAssembly(polygons, mu)},
         [la.BodyForce("b", (1, 0))],
         [la.Fix("b", "base")],
         dead_loads=[la.BodyForce("b", (0, -1))],
@@ -48,7 +49,49 @@ def test_the_program_does_not_know_the_order(draw, seed):
     blocks, mu = draw(seed)
     rng = np.random.default_rng(seed)
     orders = (np.arange(len(blocks)), rng.permutation(len(blocks)))
-    one, other = (la.discretise(listed(blocks, mu, order)).program for order in orders)
+    assert_same(*(la.discretise(listed(blocks, mu, order)).program for order in orders))
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e5])
+def test_the_order_does_not_depend_on_the_unit_of_length(scale):
+    """Columns, and rows of contact, in metres and in another unit of length."""
+    blocks, mu = cells(2)
+    order = np.arange(len(blocks))[::-1]
+    one, other = (la.discretise(listed(blocks, mu, order, own)) for own in (1.0, scale))
+    assert np.allclose(other.points.position, scale * one.points.position, atol=1e-9 * scale)
+    rows, columns = (own.free_basis.tocoo() for own in (one, other))
+    assert np.array_equal(rows.row, columns.row)
+    assert np.array_equal(rows.col, columns.col)
+
+
+def test_each_of_two_assemblies_has_an_order_of_its_own():
+    """The second one is the first one moved: its columns follow, in the same order."""
+    blocks, mu = cells(1)
+    names = np.array(list(blocks))
+    rng = np.random.default_rng(0)
+    programs = []
+    for order in (np.arange(names.size), rng.permutation(names.size)):
+        bodies = {
+            body: la.BlockAssembly(
+                {str(name): np.array(blocks[str(name)]) + [shift, 0] for name in names[order]}, mu
+            )
+            for body, shift in (("one", 0.0), ("two", 8.0))
+        }
+        d = la.discretise(
+            la.Problem(
+                bodies,
+                [la.BodyForce("one", (1, 0)), la.BodyForce("two", (2, 0))],
+                [la.Fix(body, "base") for body in bodies],
+                dead_loads=[la.BodyForce(body, (0, -1)) for body in bodies],
+            )
+        )
+        programs.append(d.program)
+    assert_same(*programs)
+    (program, _), half = programs, programs[0].n // 2
+    assert program.reference_load[half:] == pytest.approx(2 * program.reference_load[:half])
+
+
+def assert_same(one, other):
     for name in ("reference_load", "dead_load"):
         first, second = getattr(one, name), getattr(other, name)
         assert np.allclose(first, second, rtol=0, atol=ROUND_OFF * np.abs(first).max())
