@@ -33,6 +33,8 @@ def changed(source):
         ("def f(a: int | None = 2.0): ...", set()),
         ("np.where(a, b, 1.0)", set()),
         ("np.where(a, b, 3.0)", {"np.where(a, b, 3000.0)"}),
+        ("np.full(n, -1.0)", set()),
+        ("np.full(n, -2.0)", {"np.full(n, (2.0))", "np.full(n, -2000.0)"}),
         ("a.max(initial=0.0)", {"a.min(initial=0.0)"}),
         ("raise InputError('a' + b)", set()),
         ("def facts(a):\n    return a + b", set()),

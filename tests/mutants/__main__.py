@@ -143,7 +143,9 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="print the errors and run nothing")
     given = parser.parse_args()
     mutants = [own for own in known(ROOT) if given.only in str(own.path)]
-    mutants += generated(ROOT, given.sample, given.seed, given.only)
+    listed = {own.key for own in mutants}
+    drawn = generated(ROOT, given.sample, given.seed, given.only)
+    mutants += [own for own in drawn if own.key not in listed]
     if given.list:
         print(*mutants, sep="\n")
         return 0

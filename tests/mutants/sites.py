@@ -102,6 +102,8 @@ class _Sites:
             yield Edit(line, function, start, end, changed, kind)
         if _is_divisor(node):
             node = ast.Tuple(elts=node.args[:2])  # what is divided by nothing has no size
+        if _is_mark(node):
+            node = ast.Tuple(elts=node.args[:1])
         for field, value in ast.iter_fields(node):
             if field in ("annotation", "returns", "decorator_list", "slice", "bases", "defaults"):
                 continue
@@ -171,6 +173,16 @@ def _is_divisor(node: ast.AST) -> TypeGuard[ast.Call]:
     match node:
         case ast.Call(func=func, args=[_, _, ast.Constant(value=1.0)]):
             return _name(func) == "where"
+    return False
+
+
+def _is_mark(node: ast.AST) -> TypeGuard[ast.Call]:
+    """Return whether a node is ``np.full(count, -1.0)``, where -1 marks no value."""
+    match node:
+        case ast.Call(
+            func=func, args=[_, ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=1.0))]
+        ):
+            return _name(func) == "full"
     return False
 
 

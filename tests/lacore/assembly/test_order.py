@@ -73,7 +73,11 @@ def test_each_of_two_assemblies_has_an_order_of_its_own():
     for order in (np.arange(names.size), rng.permutation(names.size)):
         bodies = {
             body: la.BlockAssembly(
-                {str(name): np.array(blocks[str(name)]) + [shift, 0] for name in names[order]}, mu
+                {
+                    str(name): np.array(blocks[str(name)]) + np.array([shift, 0])
+                    for name in names[order]
+                },
+                mu,
             )
             for body, shift in (("one", 0.0), ("two", 8.0))
         }
