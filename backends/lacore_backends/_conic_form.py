@@ -1,22 +1,23 @@
-"""The kinematic program as cones (T34), exact or regularised (T17-T20). Not a backend.
+"""Kinematic program as cones (T34), exact or regularised (T17-T20). Not a backend.
 
-``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): one t a
-plasticity cone, one tau a friction cone. Rows are multiplied by their integration weight, so that
-costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t. Where
-strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39), a
-modulus beside surfaces a quadratic cost of the velocity, and rows of small points are in units of
-their own (`lacore_backends._surface_rows`). So are rows of contact points that stand for much less
-length than others, where a program hardens: along a path sides overlap by short parts of their
-edges.
+``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): there is
+one t per plasticity cone and one tau per friction cone. Rows are multiplied by their integration
+weights, so that costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost
+of t. Where strength depends on pressure, the t of a cone is a sum of multipliers, one of each
+surface (T39), and a modulus in addition to surfaces is a quadratic cost of the velocity. Rows of
+small points are scaled (`lacore_backends._surface_rows`). So are rows of contact points that
+represent much less length than others, where a program hardens: along a path, sides overlap by
+short parts of their edges.
 
-A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``: on
-walls of rigid blocks a fifth faster than its cone. With ``|v| <= t`` it is the other way round: as
-half-spaces 5 to 10 % faster, and the gap that is left is 10 to 70 times that of the cone.
+A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``. On
+walls of rigid blocks this is 20 % faster than its cone. For ``|v| <= t`` the cone is preferred:
+half-spaces are 5 to 10 % faster, but their final gap is 10 to 70 times that of the cone.
 
-Regularised, every row v of a law becomes ``v - e`` with an elastic share e and its energy
-``K e^2/2``, K the stiffness: ``min bound ||v - e|| + K ||e||^2/2`` is the Huber law of T17 and T18,
-and with a constraint in place of the norm it is a penalty. The duals are the stresses still, and
-e = stress/K. The y are e sqrt(K): of the size of the square root of an energy for every r.
+In a regularised program every row v of a law becomes ``v - e`` with an elastic share e and its
+energy ``K e^2/2``, where K is the stiffness: ``min bound ||v - e|| + K ||e||^2/2`` is the Huber law
+of T17 and T18, and with a constraint in place of the norm it is a penalty. The duals are still the
+stresses, and e = stress/K. The y are e sqrt(K), whose size is that of the square root of an energy
+for every r.
 """
 
 from dataclasses import dataclass
@@ -33,23 +34,23 @@ from lacore.program.state import ProgramState
 from lacore_backends._conic_rows import Law, Norm, placed, strain_law, wide
 from lacore_backends._surface_rows import Leads, Volumes, point_units, stress_besides
 
-_GENTLE = 0.08  # slope of a surface: friction of 5 degrees
-_TIED = 2.0  # unknowns per point: programs of stresses have more, and stall at other units
-_SHORT = 0.25  # of the median weight of contact points: rows of shorter ones are scaled up to it
-_SPEED = 10.0  # velocities of soil for 1 of the program: with it rows of points are near 1
+_GENTLE = 0.08  # slope of a surface with friction of 5 degrees
+_TIED = 2.0  # unknowns per point: programs of stresses have more, and stall in other units
+_SHORT = 0.25  # weight of contact points, by the median, up to which rows are scaled
+_SPEED = 10.0  # velocities of soil per unit of the program, so that rows of points are near 1
 
 
 @dataclass(frozen=True)
 class Pattern:
-    """Which contact points need which rows; a form is rebuilt only when it changes."""
+    """Kinds of rows of the contact points; a form is rebuilt only when they change."""
 
-    friction: Bools  # cost g ||u_t||; where g = 0 the dual cone would have no interior
+    friction: Bools  # The cost is g ||u_t||; with g = 0 the dual cone would have no interior.
     stick: Bools  # u_t = 0
     dilatancy: Floats
 
     @classmethod
     def of(cls, contact: FrozenContact) -> "Pattern":
-        """That of a frozen contact."""
+        """Return the pattern of a frozen contact."""
         return cls(
             friction=np.isfinite(contact.bound) & (contact.bound > 0),
             stick=np.isinf(contact.bound),
@@ -57,7 +58,7 @@ class Pattern:
         )
 
     def same(self, other: "Pattern") -> bool:
-        """Whether the other one needs the same rows."""
+        """Return whether the other pattern needs the same rows."""
         return (
             np.array_equal(self.friction, other.friction)
             and np.array_equal(self.stick, other.stick)
@@ -67,15 +68,15 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Traits:
-    """What a solver needs to know of a form.
+    """Properties of a form that its solver depends on.
 
     Attributes:
         hardens: whether lengths of strain rates have a quadratic cost.
         pressure_dependent: whether strength depends on pressure.
-        gentle: whether somewhere so little that it hardly does.
-        cornered: whether somewhere several surfaces bound it.
-        even: whether every surface has some strength without pressure, and velocities are those of
-            a body; they are in units then in which rows of points are as large as stresses.
+        gentle: whether this dependence is very small somewhere.
+        cornered: whether several surfaces bound the strength somewhere.
+        even: whether every surface has some strength without pressure, and the velocities are those
+            of a body. The units are then chosen such that rows of points are as large as stresses.
     """
 
     hardens: bool
@@ -86,7 +87,7 @@ class Traits:
 
     @classmethod
     def of(cls, program: KinematicProgram, exact: bool) -> "Traits":
-        """Those of a program; no regularised form is even."""
+        """Return the properties of a program; no regularised form is even."""
         surfaces = [group.surfaces for group in program.groups if group.surfaces is not None]
         gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in surfaces)
         cornered = any(one.count > 1 for one in surfaces)
@@ -99,7 +100,7 @@ class Traits:
 
 @dataclass(frozen=True)
 class _Laws:
-    """The laws of a form in the order of their rows: equations, signs of openings, norms."""
+    """Laws of a form in the order of their rows: equations, signs of openings, norms."""
 
     equal: list[Law]
     unilateral: list[Law]
@@ -111,16 +112,16 @@ class _Laws:
 
 
 class ConicForm:
-    """The form for one pattern of contact rows; no penalties: exact.
+    """Form for one pattern of contact rows; exact without penalties.
 
     Attributes:
         quadratic, matrix, cones: P, A and the cones.
-        traits: what a solver needs to know.
-        linear: whether it could be written as a linear program.
-        speed: velocities of the form for 1 of the program. The least value is as many times as
-            large; `offset` is divided by it where a program is to be written as it is.
-        order: of the columns as a solver is to see them. Multipliers of several surfaces come
-            before velocities: an ordering by least degree breaks its ties well then.
+        traits: properties that its solver depends on.
+        linear: whether it can be written as a linear program.
+        speed: velocities of the form per unit of the program. The optimal value is multiplied by
+            it; divide `offset` by it to write the program in its own units.
+        order: order of the columns for a solver. Multipliers of several surfaces come before
+            velocities, because minimum-degree orderings then break ties well.
     """
 
     def __init__(
@@ -162,7 +163,7 @@ class ConicForm:
         self.linear = flat and all(norm.dim == 1 for norm in self._norms if norm.count)
 
     def _laws(self, penalty: Penalties | None) -> _Laws:
-        """Laws of the program; `penalty` softens them."""
+        """Return the laws of the program, softened by `penalty`."""
         points, dim = self._program.contact, self._program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         lengths = points.weights * self._gain
@@ -195,12 +196,12 @@ class ConicForm:
         over: list[Sparse],
         norms: Ints,
     ) -> None:
-        """Put the rows of the laws, `over` all columns, into the matrix and its cones.
+        """Put the rows of the laws, over all columns, into the matrix and its cones.
 
         Args:
-            contact: its dilatancy.
-            laws: whose rows they are.
-            leads: of the norms; the columns of each begin at its place in `norms`.
+            contact: frozen contact with the dilatancy.
+            laws: laws of the rows.
+            leads: leads of the norms; the columns of each begin at its entry of `norms`.
             over: rows of each law.
             norms: first columns of the leads.
         """
@@ -239,7 +240,7 @@ class ConicForm:
             self.cones += norm.cones
 
     def _quadratic(self, laws: _Laws, leads: list[Leads], columns: int) -> Any:
-        """P: what hardens and what is softened."""
+        """Return P, the quadratic cost of hardening and softening."""
         program, every = self._program, laws.all
         gains = [own.gain for own in self._volumes]
         gains += [np.ones(law.weights.size) for law in every[len(gains) :]]
@@ -248,7 +249,7 @@ class ConicForm:
             for law, gain in zip(every, gains, strict=True)
             if law.softened
         ]
-        # The t are lengths times weights per unit: w h (t unit/w)^2/2.
+        # The t are lengths times weights in these units, so the cost is w h (t unit/w)^2/2.
         rising = [
             np.zeros(lead.shares.shape[1])
             if lead.slopes is not None
@@ -262,7 +263,7 @@ class ConicForm:
         own = np.flatnonzero(diagonal)
         found = csc_matrix((diagonal[own], (own, own)), (columns, columns))
         for group in program.groups:
-            # Beside surfaces the t are no lengths: where flow is that of a corner they are more.
+            # With several surfaces the t are not lengths: in a corner they are larger.
             if group.surfaces is not None and group.modulus is not None:
                 root = np.repeat(np.sqrt(group.weights * group.modulus), group.dim)
                 spring = wide(group.rows, columns, root)
@@ -270,13 +271,13 @@ class ConicForm:
         return found
 
     def ordered(self) -> tuple[Any, Any]:
-        """P and A with their columns in `order`."""
+        """Return P and A with their columns in `order`."""
         quadratic: Any = self.quadratic
         matrix: Any = self.matrix
         return quadratic[self.order][:, self.order], matrix[:, self.order]
 
     def cost(self, contact: FrozenContact) -> Floats:
-        """q: dead load, stress bounds, friction bounds."""
+        """Return q: dead load, stress bounds and friction bounds."""
         bounds = [
             group.bound * unit
             if group.surfaces is None
@@ -290,7 +291,7 @@ class ConicForm:
         return q
 
     def offset(self, contact: FrozenContact) -> Floats:
-        """b: ``F0.U = 1``, dilations, and the shifts of the contact rows."""
+        """Return b: ``F0.U = 1``, dilations, and the shifts of the contact rows."""
         shift = self._program.contact.weights * self._gain * contact.shift
         b = np.zeros(self.matrix.shape[0])
         b[0] = POWER
@@ -304,7 +305,7 @@ class ConicForm:
         return b * self.speed
 
     def point(self, x: Floats, z: Floats, contact: FrozenContact) -> ProgramState:
-        """Velocity and duals in the signs of `ProgramState` (T35)."""
+        """Return velocity and duals with the signs of `ProgramState` (T35)."""
         program, pattern, dilatant = self._program, self._pattern, self._dilatant
         velocity = x[: program.n] / self.speed
         load, *duals = np.split(z, self._ends[:-1])
@@ -315,7 +316,7 @@ class ConicForm:
         )
         normal = np.zeros(program.contact.count)
         tangential = np.zeros((normal.size, dim))
-        normal[~dilatant] = plain[: int((~dilatant).sum())]  # what follows is of surfaces
+        normal[~dilatant] = plain[: int((~dilatant).sum())]  # groups with surfaces
         normal[dilatant] = pressed[:, 0]
         tangential[dilatant] = contact.dilatancy[dilatant, None] * pressed[:, 1:]
         tangential[pattern.stick] -= stick.reshape(-1, dim)
@@ -326,7 +327,7 @@ class ConicForm:
         for group, own, unit, mean, strain in zip(program.groups, *of_groups, strict=True):
             shear = -strain[:, 1:] / unit[:, None]
             stresses.append(shear[:, : group.dim] + stress_besides(group, velocity))
-            # Softened, theta is a row of the norm too.
+            # In a softened law theta is a row of the norm, too.
             softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
             mean_stresses.append(np.repeat(softened, group.volumes) + own.means @ mean)
         return ProgramState(
@@ -339,9 +340,9 @@ class ConicForm:
         )
 
     def complementary_energy(self, z: Floats, contact: FrozenContact) -> float:
-        """``sum stress^2/(2 K) + (stress - bound)^2/(2 modulus)`` of the duals.
+        """Return ``sum stress^2/(2 K) + (stress - bound)^2/(2 modulus)`` of the duals.
 
-        At a solution the energy C of the velocity, and what hardening adds to it.
+        At a solution this is the energy C of the velocity plus the contribution of hardening.
         """
         curvature = self.quadratic.diagonal()
         own = np.flatnonzero(curvature)
@@ -350,9 +351,9 @@ class ConicForm:
 
 
 def _gains(weights: Floats) -> Floats:
-    """Factors of the rows of contact points, 1 of those that are not short, shape (m,).
+    """Return factors of the rows of contact points, 1 unless they are short, shape (m,).
 
     A row that is small compared with the regularisation of a solver keeps its residual: points of a
-    fiftieth of the length of others penetrate by 1e-6 of the largest velocity.
+    fiftieth of the length of others would penetrate by 1e-6 of the largest velocity.
     """
     return np.maximum(1.0, _SHORT * np.median(weights) / weights) if weights.size else weights

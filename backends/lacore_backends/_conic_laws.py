@@ -1,8 +1,9 @@
-"""The regularised laws (T17, T18, T65) as stresses within cones. Not a backend.
+"""Regularised laws (T17, T18, T65) as stresses within cones. Not a backend.
 
-Each law is ``max over sigma of sigma.x - sigma.C sigma/2`` with ``t = h - G sigma`` in cones, x the
-rates of a point and C the compliances, 1/penalty. With multipliers z of the cones the rates are the
-elastic ones and the plastic, ``x = C sigma + G^T z``; hardening lets h grow with z (T29).
+Each law is ``max over sigma of sigma.x - sigma.C sigma/2`` with ``t = h - G sigma`` in cones, where
+x are the rates of a point and C the compliances, 1/penalty. With multipliers z of the cones the
+rates are the sum of elastic and plastic ones, ``x = C sigma + G^T z``; with hardening h grows with
+z (T29).
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,8 @@ from lacore.program.regularization import Penalties, RegularisedPoint, Regularis
 from lacore.program.state import ProgramState
 from lacore.program.surfaces import Surfaces
 
-_NONE, _ZERO = np.zeros((1, 1)), np.zeros((1, 1, 1))  # nothing besides; nothing that rises
+# constants of a law without prescribed rates and without hardening
+_NONE, _ZERO = np.zeros((1, 1)), np.zeros((1, 1, 1))
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class Cones:
     Attributes:
         matrix: G, shape (m, k, c, dim).
         offset: h, shape (m, k, c).
-        rise: what the first component of h gains per that of z, shape (m, k, 1).
+        rise: increase of the first component of h by that of z, shape (m, k, 1).
     """
 
     matrix: Floats
@@ -36,34 +38,34 @@ class Cones:
     rise: Floats
 
     def strength(self, multiplier: Floats) -> Floats:
-        """``h + H z`` at multipliers of shape (m, k, c)."""
+        """Return ``h + H z`` for multipliers of shape (m, k, c)."""
         return self.offset + self.risen(multiplier)
 
     def risen(self, multiplier: Floats) -> Floats:
-        """``H z``, shape (m, k, c)."""
+        """Return ``H z``, shape (m, k, c)."""
         risen = np.zeros_like(multiplier)
         risen[..., :1] = self.rise * multiplier[..., :1]
         return risen
 
     def used(self, stress: Floats) -> Floats:
-        """``G sigma``, shape (m, k, c)."""
+        """Return ``G sigma``, shape (m, k, c)."""
         return np.asarray(np.einsum("mkcd,md->mkc", self.matrix, stress))
 
     def rates(self, multiplier: Floats) -> Floats:
-        """``G^T z``, shape (m, dim)."""
+        """Return ``G^T z``, shape (m, dim)."""
         return np.asarray(np.einsum("mkcd,mkc->md", self.matrix, multiplier))
 
 
 @dataclass(frozen=True)
 class ConicLaw:
-    """A law of m points of `dim` rates each.
+    """Law of m points with `dim` rates each.
 
     Attributes:
-        rows: of the rates, shape (m dim, n).
-        weights: shape (m,).
-        besides: what the rates are beside those of the rows, shape (m, dim).
+        rows: rows of the rates, shape (m dim, n).
+        weights: weights of the points, shape (m,).
+        besides: prescribed part of the rates, shape (m, dim).
         compliance: C, shape (dim,).
-        cones: none: it is linear.
+        cones: empty for a linear law.
     """
 
     rows: Sparse
@@ -78,19 +80,19 @@ class ConicLaw:
         return int(self.compliance.size)
 
     def rates(self, velocity: Floats) -> Floats:
-        """Those of the rows alone, shape (m, dim)."""
+        """Return the rates of the rows alone, shape (m, dim)."""
         return np.asarray(self.rows @ velocity).reshape(-1, self.dim)
 
     def force(self, stress: Floats) -> Floats:
-        """``B^T W sigma``, shape (n,)."""
+        """Return ``B^T W sigma``, shape (n,)."""
         return np.asarray(self.rows.T @ (self.weights[:, None] * stress).ravel())
 
     def energy(self, stress: Floats) -> float:
-        """``sum w sigma.C sigma/2``."""
+        """Return ``sum w sigma.C sigma/2``."""
         return float(self.weights @ (stress**2 @ self.compliance)) / 2
 
     def plastic(self, multipliers: Sequence[Floats]) -> tuple[float, float]:
-        """``sum w (h + H z).z``, the dissipation, and what of it hardening makes twice."""
+        """Return the dissipation ``sum w (h + H z).z``, and half of the part from hardening."""
         dissipation = hardening = 0.0
         for cones, z in zip(self.cones, multipliers, strict=True):
             dissipation += float(self.weights @ np.sum(cones.strength(z) * z, axis=(1, 2)))
@@ -114,11 +116,11 @@ class ConicLaws:
 
     @property
     def pattern(self) -> tuple[Bools, Bools, Bools]:
-        """Which contact points rub, stick and dilate: what the rows of all laws depend on."""
+        """Which contact points rub, stick and dilate, which determines the rows of all laws."""
         return self._rubs, self._sticks, self._dilatant
 
     def _interfaces(self, contact: FrozenContact, penalty: Penalties) -> list[ConicLaw]:
-        """Of points that do not dilate, that rub, that stick, and that dilate (T18)."""
+        """Return the laws of points that do not dilate, rub, stick, and dilate (T18)."""
         points, along = self._program.contact, np.arange(self._program.contact.tangent_dim)
         normal = np.array([1 / penalty.normal])
         tangential = np.full(along.size, 1 / penalty.tangential)
@@ -169,16 +171,16 @@ class ConicLaws:
         stresses: Sequence[Floats],
         multipliers: Sequence[Sequence[Floats]],
     ) -> RegularisedPoint:
-        """Values, state and gradient of what a solver found.
+        """Return values, state and gradient for the result of a solver.
 
         Args:
             velocity: shape (n,).
-            multiplier: of ``F0.U = 1``.
-            stresses: of each law, shape (m, dim).
-            multipliers: of each kind of cones of each law, shape (m, k, c).
+            multiplier: multiplier of ``F0.U = 1``.
+            stresses: stresses of each law, shape (m, dim).
+            multipliers: multipliers of each kind of cones of each law, shape (m, k, c).
 
-        They are those of the law at the velocity as far as the duality gap is zero; and stresses
-        are in balance, and within yield, whatever it is: their load factor is no more than alpha*.
+        They are those of the law at the velocity as far as the duality gap is zero. In any case the
+        stresses are in equilibrium and within yield, so their load factor is at most alpha*.
         """
         state = self._state(velocity, stresses)
         pairs = list(zip(self.each, stresses, multipliers, strict=True))
@@ -223,7 +225,7 @@ class ConicLaws:
 
 
 def _body(group: DissipationGroup, penalty: Penalties) -> ConicLaw:
-    """Of surfaces (d, v), (T65); else (d, factor theta) within a ball and theta besides (T17)."""
+    """Return the law of a group: surfaces in (d, v) (T65), or a ball with theta (T17)."""
     if group.surfaces is not None:
         return _pressed(group, group.surfaces, penalty)
     theta = group.volumetric
@@ -261,7 +263,7 @@ def _pressed(group: DissipationGroup, surfaces: Surfaces, penalty: Penalties) ->
 
 
 def _balls(bound: Floats, inner: Ints, dim: int, rise: Floats = _ZERO) -> Cones:
-    """``||sigma|| <= bound`` of the components `inner` of `dim`; bounds of shape (m, k)."""
+    """Return the cones ``||sigma|| <= bound`` of the components `inner`; bounds of shape (m, k)."""
     matrix = np.zeros((*bound.shape, 1 + inner.size, dim))
     matrix[:, :, 1 + np.arange(inner.size), inner] = -1.0
     offset = np.zeros(matrix.shape[:3])

@@ -1,11 +1,11 @@
-"""Stresses, slacks and multipliers of a law as cones, and Newton steps of them. Not a backend.
+"""Stresses, slacks and multipliers of a law as cones, and their Newton steps. Not a backend.
 
-Point by point they are eliminated. With the scaling W of the cones, A = W^-1 G and y = W dz,
+They are eliminated point by point. With the scaling W of the cones, A = W^-1 G and y = W dz,
 
     C dsigma + A^T y = B dU + ...,   A dsigma - (1 + W^-1 H W^-1) y = ...,
 
-H the rise of strengths. Both unknowns are kept: on the edge of a cone W^2 holds numbers as large as
-1/mu and as small as mu, and stresses found without y would miss what the multipliers make of them.
+where H is the hardening of the strengths. Both unknowns are kept: on the edge of a cone W^2 has
+values as large as 1/mu and as small as mu, and stresses computed without y would be inaccurate.
 """
 
 import math
@@ -29,7 +29,7 @@ from lacore_backends._conic_laws import ConicLaw
 
 @dataclass(frozen=True)
 class Place:
-    """Where the points of a law are, or a step of theirs.
+    """Stresses, slacks and multipliers of the points of a law, or a step of them.
 
     Attributes:
         stress: sigma, shape (m, dim).
@@ -46,7 +46,7 @@ class Place:
         return all(outside(part) < 0 for part in (*self.slacks, *self.multipliers))
 
     def moved(self, step: "Place", share: float) -> "Place":
-        """By a share of a step."""
+        """Return the place after a share of a step."""
         return Place(
             self.stress + share * step.stress,
             _moved(self.slacks, step.slacks, share),
@@ -54,13 +54,13 @@ class Place:
         )
 
     def raised(self, slack: float, multiplier: float) -> "Place":
-        """Slacks and multipliers moved along the axes of their cones."""
+        """Return the place with slacks and multipliers moved along the axes of their cones."""
         return Place(
             self.stress, _raised(self.slacks, slack), _raised(self.multipliers, multiplier)
         )
 
     def farthest(self, step: "Place") -> float:
-        """Largest share of a step that stays within all cones."""
+        """Return the largest share of a step that stays within all cones."""
         pairs = [
             *zip(self.slacks, step.slacks, strict=True),
             *zip(self.multipliers, step.multipliers, strict=True),
@@ -70,14 +70,14 @@ class Place:
 
 @dataclass(frozen=True)
 class Points:
-    """A law at a place and a velocity, ready for steps.
+    """Law at a place and a velocity, ready for Newton steps.
 
     Attributes:
-        law: what is at work.
-        place: where.
-        scalings: of each kind of cones.
-        rates: what rates are beside those of the place, shape (m, dim).
-        strengths: what strengths are beside those of each kind of cones, shape (m, k, c).
+        law: the law.
+        place: stresses, slacks and multipliers.
+        scalings: scalings of each kind of cones.
+        rates: residual of the rates, shape (m, dim).
+        strengths: residual of the strengths of each kind of cones, shape (m, k, c).
     """
 
     law: ConicLaw
@@ -88,7 +88,7 @@ class Points:
 
     @classmethod
     def at(cls, law: ConicLaw, place: Place, velocity: Floats) -> "Points":
-        """Those of a place inside of all cones."""
+        """Return the points at a place inside all cones."""
         rates = law.rates(velocity) + law.besides - place.stress * law.compliance
         strengths = []
         for cones, t, z in zip(law.cones, place.slacks, place.multipliers, strict=True):
@@ -100,7 +100,7 @@ class Points:
 
     @classmethod
     def start(cls, law: ConicLaw) -> "Points":
-        """Of nothing, cones left aside: a step from there is a place with ``t = -z``."""
+        """Return the points at zero without cones: a step from there is a place with ``t = -z``."""
         offsets = tuple(cones.offset for cones in law.cones)
         nothing = tuple(np.zeros_like(h) for h in offsets)
         stress = np.zeros((law.weights.size, law.dim))
@@ -109,7 +109,7 @@ class Points:
 
     @cached_property
     def _inverse(self) -> Floats:
-        """Of the matrix of stresses and y of each point, shape (m, e, e)."""
+        """Inverse of the matrix of stresses and y of each point, shape (m, e, e)."""
         m, dim = self.place.stress.shape
         sizes = [h.shape[1] * h.shape[2] for h in self.place.slacks]
         matrix = np.zeros((m, dim + sum(sizes), dim + sum(sizes)))
@@ -141,20 +141,20 @@ class Points:
 
     @property
     def gap(self) -> float:
-        """``sum w t.z``: what is left of complementarity, in power."""
+        """Complementarity gap ``sum w t.z``, as a power."""
         pairs = zip(self.place.slacks, self.place.multipliers, strict=True)
         return sum(float(self.law.weights @ np.sum(t * z, axis=(1, 2))) for t, z in pairs)
 
     @property
     def missed_power(self) -> float:
-        """What is missed of rates and strengths, by the stresses and multipliers there."""
+        """Power of the residuals of rates and strengths with the present stresses."""
         power = np.sum(np.abs(self.rates * self.place.stress), axis=1)
         for missed, z in zip(self.strengths, self.place.multipliers, strict=True):
             power = power + np.sum(np.abs(missed * z), axis=(1, 2))
         return float(self.law.weights @ power)
 
     def missed(self, fastest: float) -> float:
-        """What is missed of rates, by the fastest, or of strengths, at most."""
+        """Return the largest residual of rates, by the largest velocity, or of strengths."""
         parts = (self.rates / fastest, *self.strengths)
         return max(float(np.abs(part).max(initial=0.0)) for part in parts)
 
@@ -165,15 +165,15 @@ class Points:
         return float(kinds * self.law.weights.sum())
 
     def at_rest(self) -> list[Floats]:
-        """No aims."""
+        """Return zero aims."""
         return [np.zeros_like(scaling.middle) for scaling in self.scalings]
 
     def to_edges(self) -> list[Floats]:
-        """Aims of a step that would end on the edges of all cones: ``t o z = 0``."""
+        """Return the aims of a step to the edges of all cones: ``t o z = 0``."""
         return [-scaling.middle for scaling in self.scalings]
 
     def to_centre(self, mu: float, step: Place) -> list[Floats]:
-        """Aims of a step to ``t o z = mu e``, corrected by what another leaves of its own aim."""
+        """Return the aims of a step to ``t o z = mu e``, corrected for the error of another one."""
         aims = []
         for scaling, dt, dz in zip(self.scalings, step.slacks, step.multipliers, strict=True):
             left = product(applied(scaling.inverse, dt), scaling.times(dz))
@@ -183,7 +183,7 @@ class Points:
         return aims
 
     def right(self, aims: Sequence[Floats]) -> Floats:
-        """Right-hand sides of all points towards aims, at rest, shape (m, e)."""
+        """Return the right-hand sides of all points for aims at a fixed velocity, shape (m, e)."""
         parts = zip(self.scalings, self.strengths, aims, strict=True)
         cones = [applied(scaling.inverse, missed) - aim for scaling, missed, aim in parts]
         return np.concatenate(
@@ -195,11 +195,11 @@ class Points:
         )
 
     def force(self, right: Floats) -> Floats:
-        """Forces of the stresses that right-hand sides come to, shape (n,)."""
+        """Return the nodal forces of the stresses for right-hand sides, shape (n,)."""
         return self.law.force(applied(self._inverse[:, : self.law.dim], right))
 
     def step(self, right: Floats, change: Floats) -> Place:
-        """What right-hand sides and a change of velocity, shape (n,), come to."""
+        """Return the step for right-hand sides and a change of velocity, shape (n,)."""
         dim = self.law.dim
         right = right.copy()
         right[:, :dim] += self.law.rates(change)

@@ -13,7 +13,7 @@ from lacore.program.kinematic import DissipationGroup, interleaved
 
 @dataclass(frozen=True)
 class Law:
-    """Rows of a law, `dim` a point, with the weights of the points; soft where stiffness < inf."""
+    """Rows of a law, `dim` per point, with the weights of the points; soft if stiffness < inf."""
 
     rows: Sparse
     dim: int
@@ -26,7 +26,7 @@ class Law:
         return self.rows.shape[0] if np.isfinite(self.stiffness) else 0
 
     def over(self, columns: int, first: int) -> Sparse:
-        """``weights (rows U - y/sqrt(K))`` over all columns, the y from column `first` on."""
+        """Return ``weights (rows U - y/sqrt(K))`` over all columns, with the y from `first` on."""
         weights = np.repeat(self.weights, self.dim)
         whole = wide(self.rows, columns, weights)
         if not self.softened:
@@ -38,10 +38,10 @@ class Law:
 
 @dataclass(frozen=True)
 class Norm:
-    """Cones ``||follow|| <= lead``, `count` of them, with `dim` rows of `follow` in each.
+    """Cones ``||follow|| <= lead``, `count` of them, each with `dim` rows of `follow`.
 
     Attributes:
-        linear: they are pairs of half-spaces, of one row.
+        linear: whether they are pairs of half-spaces, of one row.
     """
 
     count: int
@@ -50,23 +50,23 @@ class Norm:
 
     @property
     def cones(self) -> list[Any]:
-        """Those of Clarabel."""
+        """The cones of Clarabel."""
         return [] if self.linear else [clarabel.SecondOrderConeT(1 + self.dim)] * self.count
 
     def rows(self, lead: Sparse, follow: Sparse) -> Sparse:
-        """The rows whose values are in the cones."""
+        """Return the rows whose values are in the cones."""
         if self.linear:
             return csr_matrix(vstack([lead - follow, lead + follow]))
         return interleaved(lead, 1, follow, self.dim)
 
     def offset(self, lead: Floats) -> Floats:
-        """What is added to the rows where `lead` is added to the lead."""
+        """Return the offset of the rows for an offset of the lead."""
         if self.linear:
             return np.concatenate([lead, lead])
         return np.column_stack([lead, np.zeros((self.count, self.dim))]).ravel()
 
     def duals(self, z: Floats) -> Floats:
-        """Multipliers of lead and follow, shape (count, 1 + dim)."""
+        """Return the multipliers of lead and follow, shape (count, 1 + dim)."""
         if self.linear:
             below, above = z.reshape(2, -1)
             return np.column_stack([below + above, above - below])
@@ -74,7 +74,7 @@ class Norm:
 
 
 def strain_law(group: DissipationGroup, unit: Floats, stiffness: float, whole: bool) -> Law:
-    """The law of the strain rates of a group; where they are `whole`, with its volumes."""
+    """Return the law of the strain rates of a group, including volumes if they are `whole`."""
     if not whole or group.surfaces is not None:
         return Law(group.rows, group.dim, group.weights / unit, stiffness)
     volumes = group.volumetric * group.volumetric_factor
@@ -83,16 +83,17 @@ def strain_law(group: DissipationGroup, unit: Floats, stiffness: float, whole: b
 
 
 def placed(rows: Sparse, columns: int, first: int) -> Sparse:
-    """Rows over all columns, their own from column `first` on."""
+    """Return the rows over all columns, with their own columns from `first` on."""
     return csr_matrix((rows.data, rows.indices + first, rows.indptr), (rows.shape[0], columns))
 
 
 def wide(rows: Sparse, columns: int, weights: Floats) -> Sparse:
-    """The rows times their weights, with empty columns appended, and without zeros."""
-    # By its arrays: products of matrices would take half of the time of a small solve.
+    """Return the rows times their weights, with empty columns appended, and without zeros."""
+    # Scale the arrays directly: sparse products would take half of the time of a small solve.
     data = rows.data * np.repeat(weights, np.diff(rows.indptr))
     found = csr_matrix((data, rows.indices, rows.indptr), (rows.shape[0], columns))
     if not np.all(data):
-        found = found.copy()  # zeros are cut out of arrays that are those of the program
+        # Copy the arrays before zeros are removed, as they belong to the program.
+        found = found.copy()
         found.eliminate_zeros()
     return found

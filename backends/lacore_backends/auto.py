@@ -1,7 +1,7 @@
-"""The exact program by whichever solver is faster, and by the other one where that fails.
+"""Solve the exact program with the faster of two solvers, and with the other one if that fails.
 
-What proves an answer are its residuals, recomputed. A loop asks hundreds of times: the one that is
-asked second has few iterations, and `interior_point` is not asked again where it was in vain.
+An answer is accepted by its recomputed residuals. A loop solves hundreds of programs, so the second
+solver is given few iterations, and `interior_point` is not tried again after a failure.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,16 +24,17 @@ from lacore.solvers.backend import (
 from lacore.solvers.compilation import SolveClock
 
 _OWN, _OTHER = "interior_point", "clarabel"
-# Unknowns from which the first is faster (docs/design-decisions.md).
+# From this number of unknowns `interior_point` is faster (docs/design-decisions.md).
 _LEAST, _COMPILED = 60_000, 5_000
-# Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
-# bounds, less is eliminated, and the first is faster from as many points up.
+# Unknowns per point that yields or slips, with quadratic velocities. Programs with more unknowns
+# per point, such as lower bounds, eliminate less, so `interior_point` is faster from the same
+# number of points on.
 _PER_POINT = 4 / 3
-_MORE = 1.5  # times that: of lower bounds, which have about twice as many
-_NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
-_INSTANT = 1e-9  # s: the least time limit there is
-_PATIENCE = 30  # iterations of `interior_point` each way, asked second: it solves in 8 to 16
-_LEFT = 100.0  # tolerances that recomputed residuals may be: their scales are other ones
+_MORE = 1.5  # Lower bounds have about twice as many unknowns per point.
+_NOMINAL = 0.01  # `clarabel` stops at a looser tolerance than the given one.
+_INSTANT = 1e-9  # s, the smallest time limit
+_PATIENCE = 30  # iterations of `interior_point` per way as second solver: it needs 8 to 16
+_LEFT = 100.0  # allowed recomputed residuals, in tolerances: their scales differ
 _WORDS = (Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
 
 
@@ -42,9 +43,9 @@ class AutoOptions:
     """Options of the `auto` backend.
 
     Attributes:
-        tolerance: of `interior_point`; `clarabel` is asked for a hundredth of it.
-        max_iterations: of each of them.
-        time_limit: s, one inner solve, both of them together.
+        tolerance: tolerance of `interior_point`; `clarabel` is given a hundredth of it.
+        max_iterations: limit for each of the two solvers.
+        time_limit: s, limit for one inner solve by both solvers together.
     """
 
     tolerance: float = 1e-8
@@ -58,7 +59,10 @@ class AutoOptions:
 
 
 class Auto:
-    """`interior_point` where it is faster, `clarabel` elsewhere, the other where one fails."""
+    """Backend that uses `interior_point` where it is faster and `clarabel` elsewhere.
+
+    If one of them fails, the other one is tried.
+    """
 
     name: ClassVar[str] = "auto"
     title: ClassVar[str] = "interior_point or clarabel, whichever is expected to be faster"
@@ -76,7 +80,7 @@ class Auto:
 
     @property
     def statuses(self) -> Mapping[Any, Status]:
-        """Those of both, with their names, alone and one after the other."""
+        """Native statuses of both solvers, of one alone and of one after the other."""
         own, other = (
             {f"{name}: {word}": status for word, status in find_backend(name).statuses.items()}
             for name in (_OWN, _OTHER)
@@ -86,30 +90,31 @@ class Auto:
         return {**own, **other, **both}
 
     def unavailable(self) -> str:
-        """Both come with lacore."""
+        """Return an empty reason: both solvers come with lacore."""
         return ""
 
     def version(self) -> str:
-        """Those of both."""
+        """Return the versions of both solvers."""
         return f"{find_backend(_OWN).version()}, {find_backend(_OTHER).version()}"
 
     def warm_up(self) -> None:
-        """Let both of them compile what they can."""
+        """Compile the loops of both solvers."""
         for name in (_OWN, _OTHER):
             backend = find_backend(name)
             if isinstance(backend, WarmsUp):
                 backend.warm_up()
 
     def prepare(self, program: KinematicProgram, options: AutoOptions) -> PreparedSolver:
-        """The first is made ready where it is faster, the other when it is needed."""
-        from lacore_backends._embedding.loops.best import compiles  # not for `capabilities`
+        """Return a prepared solver; `clarabel` is prepared only when it is needed."""
+        # imported here so that `capabilities` does not load it
+        from lacore_backends._embedding.loops.best import compiles
 
         return AutoSolver(program, options, _COMPILED if compiles() else _LEAST)
 
 
 @dataclass(frozen=True)
 class _Attempt:
-    """An answer, what it leaves, and whether nobody is asked after it."""
+    """Answer of one solver, its residual, and whether no other solver is tried after it."""
 
     name: str
     answer: InnerSolution
@@ -118,17 +123,18 @@ class _Attempt:
 
 
 class AutoSolver:
-    """Both solvers at work on one program.
+    """Two prepared solvers for one program.
 
     Args:
-        least: unknowns from which `interior_point` is asked first.
+        least: number of unknowns from which `interior_point` is tried first.
     """
 
     def __init__(self, program: KinematicProgram, options: AutoOptions, least: int) -> None:
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
-        # Of blocks alone vertices are degenerate, and one in four ends without progress. Of soils
-        # that next to nothing but pressure makes strong it loses a twentieth of a lower bound.
+        # In programs of blocks alone vertices are degenerate, and one solve in four stalls. In
+        # soils whose strength comes almost entirely from pressure, 5 % of a lower bound would be
+        # lost.
         fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
         fits &= not (program.pressure_dependent and _above(program))
         self._quick = _factorises_fast()
@@ -136,19 +142,20 @@ class AutoSolver:
         self._in_vain = False
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """By the first whose answer is proven; else one that claims one, or that leaves less.
+        """Return the first proven answer, or else the best of both.
 
-        The words of all that were asked are told, that of the answer last.
+        An answer that claims to be solved is preferred, then the one with the smaller residual. The
+        native status lists those of all solvers that were tried, the one of the answer last.
         """
         clock, asked = SolveClock(), list[_Attempt]()
         for name in self._order(contact):
             asked.append(self._asked(name, contact, clock.seconds, bool(asked)))
             if asked[-1].ends:
                 break
-            # It stalls in hundreds of iterations, and a loop asks hundreds of times.
+            # It stalls for hundreds of iterations, and a loop solves hundreds of programs.
             self._in_vain |= name == _OWN
         if not asked[-1].ends:
-            # Of a load of zero nothing is proven: what is left is 0/0.
+            # Without a load nothing can be proven, because the relative residual is 0/0.
             asked.sort(key=lambda one: (one.answer.status is Status.SOLVED, -one.left))
         return replace(
             asked[-1].answer,
@@ -158,17 +165,19 @@ class AutoSolver:
         )
 
     def _order(self, contact: FrozenContact) -> Sequence[str]:
-        """Who is asked, one after the other."""
+        """Return the names of the solvers in the order in which they are tried."""
         if self._in_vain or not self._quick:
             return [_OTHER]
-        # Slip that is given may be a hundred times that of an elastic start.
+        # Prescribed slip may be a hundred times that of an elastic start.
         leads = self._leads and not np.any(contact.shift)
         return [_OWN, _OTHER] if leads else [_OTHER, _OWN]
 
     def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Attempt":
-        """What one says in the time that is left, and what its answer leaves."""
+        """Return the answer of one solver within the remaining time, with its residual."""
         from lacore.solvers.inner.left_over import judged_left
-        from lacore_backends._embedding.dilating import as_moved  # not for `capabilities`
+
+        # imported here so that `capabilities` does not load it
+        from lacore_backends._embedding.dilating import as_moved
 
         solver = self._made(name, spent, _PATIENCE) if second else self._first(name)
         try:
@@ -179,18 +188,18 @@ class AutoSolver:
         left, allowed = np.inf, _LEFT * self._options.tolerance
         if answer.point is not None:
             left = judged_left(*as_moved(self._program, answer.point), contact, allowed)[1]
-        # Where it ended on its way the other one may well be sure.
+        # If `interior_point` ended early, `clarabel` may still prove its answer.
         good = left <= allowed and (name == _OTHER or answer.status is Status.SOLVED)
         return _Attempt(name, answer, left, ends=good or answer.status in _WORDS)
 
     def _first(self, name: str) -> PreparedSolver:
-        """One that is asked first, kept for the next contact."""
+        """Return the solver that is tried first; it is kept for the next contact."""
         if name not in self._solvers:
             self._solvers[name] = self._made(name, 0.0, self._options.max_iterations)
         return self._solvers[name]
 
     def _made(self, name: str, spent: float, most: int) -> PreparedSolver:
-        """One with the time that is left; of iterations only our own is given so few."""
+        """Prepare a solver with the remaining time; only `interior_point` gets fewer iterations."""
         backend, options, own = find_backend(name), self._options, name == _OWN
         return backend.prepare(
             self._program,
@@ -202,32 +211,36 @@ class AutoSolver:
         )
 
     def close(self) -> None:
-        """Close those that are at work."""
+        """Close both solvers."""
         for solver in self._solvers.values():
             solver.close()
         self._solvers.clear()
 
 
 def _factorises_fast() -> bool:
-    """Whether a library factorises symmetric matrices faster than SciPy."""
-    from lacore.numerics.symmetric import fast_solver  # not for `capabilities`
+    """Return whether a library faster than SciPy factorises symmetric matrices."""
+    # imported here so that `capabilities` does not load it
+    from lacore.numerics.symmetric import fast_solver
 
     return fast_solver() is not None
 
 
 def _smooth(group: DissipationGroup) -> bool:
-    """Whether points have one surface at most: with several steps are twice as many, and dearer."""
+    """Return whether each point has at most one surface.
+
+    Points with several surfaces need twice as many steps, which cost more.
+    """
     surfaces = group.surfaces
     return surfaces is None or (surfaces.count == 1 and not group.dilates_besides)
 
 
 def _size(program: KinematicProgram) -> float:
-    """Unknowns, or where they are more per point, as many as those points come with elsewhere."""
+    """Return the number of unknowns, limited to the usual number for as many points."""
     return min(_PER_POINT * _points(program), program.n)
 
 
 def _above(program: KinematicProgram) -> bool:
-    """Whether there are more unknowns per point than of velocities: those of lower bounds."""
+    """Return whether there are more unknowns per point than velocities need, as in lower bounds."""
     return program.n > _MORE * _PER_POINT * _points(program)
 
 

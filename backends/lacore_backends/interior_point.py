@@ -1,8 +1,8 @@
-"""lacore's own interior-point method on the exact program, factorised on velocities alone.
+"""Interior-point method of lacore for the exact program, factorised on velocities alone.
 
-A homogeneous self-dual embedding (`lacore_backends._embedding`): the lengths of strain rates and
-all multipliers are eliminated point by point, so that what is factorised is as sparse as the
-stiffness of the bodies, positive definite, and of one pattern.
+It is a homogeneous self-dual embedding (`lacore_backends._embedding`). The lengths of strain rates
+and all multipliers are eliminated point by point. The factorised matrix is then as sparse as the
+stiffness of the bodies, positive definite, and always has the same pattern.
 """
 
 import time
@@ -39,16 +39,18 @@ from lacore_backends._embedding.system import System
 from lacore_backends._embedding.whole import Whole
 from lacore_backends._goal import Goal
 
-_LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
+_LEFT = 100.0  # allowed recomputed residuals, in tolerances: their scales differ
 _NOWHERE = (Status.ITERATION_LIMIT, Status.STALLED, Status.FAILED)
 _SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
 
 STATUS_MAP = {
     "solved": Status.SOLVED,
-    "solved to round-off": Status.SOLVED,  # ten tolerances are left, and certificates hold
-    "nothing to overcome": Status.SOLVED,  # at a load factor of zero
-    "in balance": Status.SOLVED,  # a motion that nothing resists, without any stress
-    "almost solved": Status.ALMOST_SOLVED,  # by its own residuals, but not by those recomputed
+    # The residuals are within ten tolerances, and certificates hold.
+    "solved to round-off": Status.SOLVED,
+    "nothing to overcome": Status.SOLVED,  # The load factor is zero.
+    "in balance": Status.SOLVED,  # The mechanism moves without resistance and without stress.
+    # The residuals of the solver meet the tolerance, the recomputed ones do not.
+    "almost solved": Status.ALMOST_SOLVED,
     "locked": Status.LOCKED,
     "unsafe": Status.UNSAFE,
     "iteration limit": Status.ITERATION_LIMIT,
@@ -57,7 +59,7 @@ STATUS_MAP = {
     "singular matrix": Status.FAILED,
 }
 
-fast_solver()  # loads its library, which is no part of the time of the first solve
+fast_solver()  # Loading the library does not count to the time of the first solve.
 best_loops()
 
 
@@ -66,9 +68,11 @@ class InteriorPointOptions:
     """Options of the `interior_point` backend.
 
     Attributes:
-        tolerance: on the gap, per power, nodal forces, per load, and velocities, per the fastest.
-        max_iterations: factorisations, each way that is tried: of velocities alone, or with more.
-        time_limit: s, one inner solve.
+        tolerance: relative tolerance of the gap (by the power), of the nodal forces (by the load)
+            and of the velocities (by the largest).
+        max_iterations: limit of factorisations for each formulation: velocities alone, or with more
+            unknowns.
+        time_limit: s, limit for one inner solve.
     """
 
     tolerance: float = 1e-8
@@ -82,7 +86,7 @@ class InteriorPointOptions:
 
 
 class InteriorPoint:
-    """The exact program by a method that knows what it solves."""
+    """Backend for the exact program by an interior-point method for this structure."""
 
     name: ClassVar[str] = "interior_point"
     title: ClassVar[str] = "Interior-point method, exact program, factorised on velocities"
@@ -99,11 +103,11 @@ class InteriorPoint:
     Options: ClassVar[type] = InteriorPointOptions
 
     def unavailable(self) -> str:
-        """Always there: scipy is a dependency."""
+        """Return an empty reason: SciPy is a dependency of lacore."""
         return ""
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the linear solver."""
         return f"{symmetric_solver().name}, {best_loops().name}, SciPy {scipy.__version__}"
 
     def warm_up(self) -> None:
@@ -111,14 +115,14 @@ class InteriorPoint:
         _compiled()
 
     def prepare(self, program: KinematicProgram, options: InteriorPointOptions) -> PreparedSolver:
-        """What the pattern of the matrix depends on is kept between solves."""
+        """Return a solver that keeps the pattern of the matrix between solves."""
         _compiled()
         return InteriorPointSolver(program, options)
 
 
 @cache
 def _compiled() -> None:
-    """All loops compiled, which is no part of the time of a solve."""
+    """Compile all loops, so that the time of a solve does not include it."""
     with compiling():
         program, contact = least_program()
         solver = InteriorPointSolver(program, InteriorPointOptions())
@@ -126,49 +130,50 @@ def _compiled() -> None:
         solver.close()
         loops, points = best_loops(), np.array([[2.0], [1.0]])
         scaling = loops.scaled(points, points)
-        loops.banded(scaling, points, points, 1.0, (0.1, 10.0))  # which it may do without
+        # A solve may not need this function.
+        loops.banded(scaling, points, points, 1.0, (0.1, 10.0))
         values, vectors = loops.frames(scaling, np.ones(0), np.ones((1, 1, 1)), 1)
         loops.framed(values, vectors, points)
 
 
-_Way = tuple[str, int, ProgramState]  # native status, iterations, and where it ended
+_Way = tuple[str, int, ProgramState]  # native status, iterations, and final state
 
 
 class InteriorPointSolver:
-    """The method at work on one program."""
+    """Interior-point method for one program."""
 
     def __init__(self, program: KinematicProgram, options: InteriorPointOptions) -> None:
         self._given, self._options = program, options
         self._solver = symmetric_solver(refined=False)
         self._indefinite = symmetric_solver(refined=False, definite=False)
         self._loops = best_loops()
-        # Of bodies that move as they are contact would be lost beside their stiffness.
+        # The stiffness of bodies that move without strain would hide that of the contact.
         self._motions = motions(program, self._solver)
         self._program = program if self._motions is None else self._motions.stated(program)
         self._known: tuple[Translation, Stiffness] | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve from a cold start; the pattern is that of the last where rows are the same.
+        """Solve from a cold start; the pattern is kept if the rows are the same.
 
-        Where forces are lost to round-off it goes on with more unknowns factorised (`Whole`), and
-        what ends without an answer begins anew with them.
+        Where forces are lost to round-off, the method continues with more unknowns factorised
+        (`Whole`). If it ends without an answer, it starts again with them.
         """
         begin, options = time.perf_counter(), self._options
         goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
         own = Translation(self._program, contact, self._loops)
         if self._known is None or not self._known[0].alike(contact):
             self._known = own, Stiffness(own.conic.kinds, self._loops)
-        # Vectors and small blocks: more BLAS threads only wait for each other.
-        with one_thread_each(), np.errstate(all="ignore"):  # a step that overflows is refused
+        # Vectors and blocks are small, so several BLAS threads would only wait for each other.
+        with one_thread_each(), np.errstate(all="ignore"):  # A step that overflows is rejected.
             answer = self._solved(contact, own, self._known[1], goal)
         return replace(answer, solve_time=time.perf_counter() - begin)
 
     def _solved(
         self, contact: FrozenContact, own: Translation, stiffness: Stiffness, goal: Goal
     ) -> InnerSolution:
-        """By the first way that is sure of its answer, or else by the last that ends anywhere."""
+        """Return the first certain answer, or else the last one that ended with a state."""
         iterations, answer = 0, InnerSolution(Status.FAILED, "singular matrix", 0, 0.0, None)
-        with suppress(SingularError):  # where a way begins
+        with suppress(SingularError):  # raised where a formulation begins
             for native, count, point in self._ways(own, stiffness, goal):
                 iterations += count
                 found = self._answer(native, point, contact)
@@ -179,13 +184,14 @@ class InteriorPointSolver:
         return replace(answer, iterations=iterations)
 
     def _ways(self, own: Translation, stiffness: Stiffness, goal: Goal) -> Iterator[_Way]:
-        """What comes of one way after the other.
+        """Yield the results of the formulations, one after the other.
 
-        Of velocities alone; without what nothing resists, unstressed where the loads are in balance
-        then; with more unknowns. The first two go on with more from where forces are lost.
+        The first formulation factorises velocities alone. The second leaves out motions without
+        resistance; if the loads are in balance, its velocity has no stress. The third factorises
+        more unknowns. The first two also continue with more unknowns where forces are lost.
         """
         conic, basis = own.conic, None
-        # No velocity has a power of it: of what is held all over there is none.
+        # If all loaded unknowns are fixed, no velocity has any power.
         if not conic.load.any():
             yield "locked", 0, self._unstressed(np.zeros(conic.load.size), 0.0)
             return
@@ -198,7 +204,7 @@ class InteriorPointSolver:
         free = unresisted(begin[0])
         if not free:
             yield self._followed(own, basis, follow(system, goal, *begin, whole))
-        loose = loosened(conic, self._solver)  # what no load drives round-off may
+        loose = loosened(conic, self._solver)  # Round-off may drive motions that have no load.
         if loose is not None:
             if loose.driven:
                 yield "in balance", 0, self._unstressed(*loose.alone())
@@ -211,13 +217,13 @@ class InteriorPointSolver:
         yield self._followed(own, basis, follow(whole(), goal, *begin))
 
     def _followed(self, own: Translation, basis: Sparse | None, found: EmbeddingResult) -> _Way:
-        """In the unknowns of the program."""
+        """Return a result in the unknowns of the program."""
         velocity = found.velocity if basis is None else np.asarray(basis @ found.velocity)
         point = self._moved(own.state(velocity, found.multipliers))
         return found.native, found.iterations, point
 
     def _answer(self, native: str, point: ProgramState, contact: FrozenContact) -> InnerSolution:
-        """What was found, and what it is worth."""
+        """Return the answer with the status that its recomputed residuals prove."""
         status = STATUS_MAP[native]
         answer = InnerSolution(
             status=status,
@@ -240,11 +246,11 @@ class InteriorPointSolver:
         )
 
     def _unstressed(self, velocity: Floats, load_factor: float) -> ProgramState:
-        """A velocity without any stress."""
+        """Return a state with this velocity and without stress."""
         return self._moved(ProgramState.unstressed(self._program, velocity, load_factor))
 
     def _moved(self, state: ProgramState) -> ProgramState:
-        """In the unknowns of the program."""
+        """Return the state in the unknowns of the program."""
         if self._motions is None:
             return state
         return replace(state, velocity=np.asarray(self._motions.basis @ state.velocity))

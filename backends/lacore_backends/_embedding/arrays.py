@@ -1,11 +1,11 @@
-"""The kinematic program as the arrays of the embedding, and the way back.
+"""Kinematic program as the arrays of the embedding, and conversion of its results.
 
     minimise   sum c t + h t^2/2 - Fd.u
     subject to s = (t, D u) in cones,  x = G u + g in cones,  E u = 0,  F0.u = 1
 
-Rows carry their weights, so that multipliers are stresses. The c of a friction cone is its bound;
-dilatant contact points are cones of G, the others half-lines. What has several planes at a point
-has cones of its own (`lacore_backends._embedding.pressure_dependent`).
+Rows are multiplied by their weights, so that multipliers are stresses. The c of a friction cone is
+its bound. Dilatant contact points are cones of G, the others half-lines. Points with several
+surfaces have cones of their own (`lacore_backends._embedding.pressure_dependent`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,12 +25,12 @@ from lacore_backends._embedding.rows import Rows
 
 @dataclass(frozen=True)
 class Costly:
-    """Cones ``(t, D u)`` whose t cost ``c t + h t^2/2``.
+    """Cones ``(t, D u)`` whose t has the cost ``c t + h t^2/2``.
 
     Attributes:
         rows: D.
         cost, rise: c and h, shape (m,).
-        weights: of the points, shape (m,).
+        weights: weights of the points, shape (m,).
     """
 
     rows: Rows
@@ -41,12 +41,12 @@ class Costly:
 
 @dataclass(frozen=True)
 class Free:
-    """Cones that ``G u + g`` lies in.
+    """Cones that contain ``G u + g``.
 
     Attributes:
-        rows: G, lead first.
+        rows: G, the row of the lead first.
         offset: g, shape (dim, m).
-        dissipates: whether their leads do.
+        dissipates: whether the leads dissipate power.
     """
 
     rows: Rows
@@ -56,16 +56,16 @@ class Free:
 
 @dataclass(frozen=True)
 class Conic:
-    """The whole program.
+    """Whole conic program.
 
     Attributes:
-        costly, free: cones, each kind of one dimension.
-        planes: points of several planes, a kind for each group.
+        costly, free: cones, those of one dimension together.
+        planes: points with several surfaces, one entry per group.
         equal: E.
-        load, dead: F0 and Fd, less what u itself costs, shape (n,).
-        weight: sum of the nodal forces of Fd alone.
-        typical: a strength.
-        loose: unknowns that the loads alone know (`lacore_backends._embedding.loose`).
+        load, dead: F0 and Fd, the latter without the linear cost of u, shape (n,).
+        weight: sum of the absolute nodal forces of Fd without that cost.
+        typical: a typical strength.
+        loose: unknowns that only the loads act on (`lacore_backends._embedding.loose`).
     """
 
     costly: tuple[Costly, ...]
@@ -95,7 +95,7 @@ class Conic:
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Of a solution: of all kinds without the leads of costly cones, and of E and F0."""
+    """Multipliers of a solution, without the leads of costly cones, and of E and F0."""
 
     costly: tuple[Floats, ...]
     free: tuple[Floats, ...]
@@ -105,12 +105,13 @@ class Multipliers:
 
 
 class Translation:
-    """A program at a frozen contact as arrays, and states of what is found of them."""
+    """Program at a frozen contact as arrays, and conversion of results to states."""
 
     def __init__(self, program: KinematicProgram, contact: FrozenContact, loops: Loops) -> None:
         self._program, self._contact, self._loops = program, contact, loops
         self._rubs = np.isfinite(contact.bound) & (contact.bound > 0)
-        # Where no opening is possible a cone would have no inside: slip that dilates is none.
+        # Without an opening the cone would have no interior, so such points do not slip if they
+        # dilate.
         self._shut = shut = ~_filled(program.contact.normal)
         self._held = shut & (contact.dilatancy > 0) & (contact.shift == 0)
         self._sticks = np.isinf(contact.bound) | self._held
@@ -209,7 +210,7 @@ class Translation:
         return csr_matrix(vstack([*volumes, stuck]))
 
     def alike(self, contact: FrozenContact) -> bool:
-        """Whether another frozen contact comes to the same rows."""
+        """Return whether another frozen contact has the same rows."""
         return (
             np.array_equal(self._rubs, np.isfinite(contact.bound) & (contact.bound > 0))
             and np.array_equal(np.isinf(self._contact.bound), np.isinf(contact.bound))
@@ -220,7 +221,7 @@ class Translation:
         )
 
     def state(self, velocity: Floats, found: Multipliers) -> ProgramState:
-        """Velocity and multipliers in the signs of `ProgramState`."""
+        """Return velocity and multipliers with the signs of `ProgramState`."""
         program, dim = self._program, self._program.contact.tangent_dim
         own = iter((*found.costly, *found.free))
         every = [
@@ -271,7 +272,7 @@ class Translation:
 
 
 def _led(lead: Floats, dim: int) -> Floats:
-    """Offsets of cones whose lead has one, shape (1 + dim, m)."""
+    """Return the offsets of cones with an offset of the lead alone, shape (1 + dim, m)."""
     offset = np.zeros((1 + dim, lead.size))
     offset[0] = lead
     return offset
@@ -283,17 +284,20 @@ def _typical(strengths: Sequence[Floats]) -> float:
 
 
 def _picked(rows: Sparse, dim: int, own: Bools) -> Sparse:
-    """Rows of some of the points; taking none of many takes as long as all of few."""
+    """Return the rows of some of the points, or the same matrix if all are selected.
+
+    Selecting no rows of many takes as long as selecting all rows of few.
+    """
     if not own.any():
         return csr_matrix((0, rows.shape[1]))
     return _rowwise(rows if own.all() else rows[np.repeat(own, dim)])
 
 
 def _rowwise(rows: Sparse) -> Sparse:
-    """As it is where it is a `csr_matrix`: making one of it takes as long as a product."""
+    """Return the rows as `csr_matrix`, without a copy if they are one."""
     return rows if isinstance(rows, csr_matrix) else csr_matrix(rows)
 
 
 def _filled(rows: Sparse) -> Bools:
-    """Which rows have an entry; the others would say ``0 = 0``."""
+    """Return which rows have an entry; the others would state ``0 = 0``."""
     return np.asarray(abs(rows).sum(axis=1)).ravel() > 0

@@ -1,9 +1,10 @@
-"""Second-order cones by the thousand: what the method does in them, without a loop over points.
+"""Second-order cones in large numbers, handled without a loop over points.
 
-Points of m cones of 1 + d components are arrays of shape (1 + d, m), a component a row: sums over
-components then run along contiguous rows, ten times faster than over a last axis of three. A cone
-of one component is a half-line. The algebra is that of `lacore.numerics.second_order_cones`, the
-scaling of Nesterov and Todd kept as a vector and a number in place of a matrix.
+The points of m cones of 1 + d components are arrays of shape (1 + d, m), with one component per
+row. Sums over components then run along contiguous rows, ten times faster than over a last axis of
+three. A cone of one component is a half-line. The algebra is that of
+`lacore.numerics.second_order_cones`. The Nesterov-Todd scaling is kept as a vector and a number
+instead of a matrix.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,35 +19,35 @@ _TINY = np.finfo(float).tiny
 
 
 def lengths(x: Floats) -> Floats:
-    """``||x||`` of columns, shape (m,)."""
+    """Return ``||x||`` of each column, shape (m,)."""
     return np.asarray(np.sqrt(np.einsum("cm,cm->m", x, x)))
 
 
 def determinant(x: Floats) -> Floats:
-    """``x_0^2 - ||x_1||^2`` without cancellation, shape (m,)."""
+    """Return ``x_0^2 - ||x_1||^2`` without cancellation, shape (m,)."""
     length = lengths(x[1:])
     return np.asarray((x[0] - length) * (x[0] + length))
 
 
 def inside(x: Floats) -> bool:
-    """Whether all points are strictly inside; of NaN none is."""
+    """Return whether all points are strictly inside; False if one is NaN."""
     return bool(np.all(x[0] > lengths(x[1:])))
 
 
 def inner(x: Floats, y: Floats) -> Floats:
-    """``x.y`` by cone, shape (m,)."""
+    """Return ``x.y`` of each cone, shape (m,)."""
     return np.asarray(np.einsum("cm,cm->m", x, y))
 
 
 def product(x: Floats, y: Floats) -> Floats:
-    """``x o y = (x.y, x_0 y_1 + y_0 x_1)``."""
+    """Return ``x o y = (x.y, x_0 y_1 + y_0 x_1)``."""
     found = x[0] * y + y[0] * x
     found[0] = inner(x, y)
     return np.asarray(found)
 
 
 def quotient(x: Floats, y: Floats) -> Floats:
-    """The point q with ``x o q = y``, x inside."""
+    """Return the point q with ``x o q = y``, x inside."""
     found = np.empty_like(y)
     found[0] = (x[0] * y[0] - inner(x[1:], y[1:])) / determinant(x)
     found[1:] = (y[1:] - found[0] * x[1:]) / x[0]
@@ -54,10 +55,10 @@ def quotient(x: Floats, y: Floats) -> Floats:
 
 
 def clipped(x: Floats, least: float, most: float) -> Floats:
-    """What moves the eigenvalues ``x_0 -+ ||x_1||`` of points into an interval, no further."""
+    """Return the changes that bring the eigenvalues ``x_0 -+ ||x_1||`` into an interval."""
     length = lengths(x[1:])
     low, high = x[0] - length, x[0] + length
-    # A value above is taken down by no more than the interval's end: large ones do not matter.
+    # Large values are reduced by no more than the upper end of the interval, as they do no harm.
     down = np.clip(low, least, most) - low
     up = np.clip(high, least, most) - high
     down, up = np.maximum(down, -most), np.maximum(up, -most)
@@ -69,7 +70,7 @@ def clipped(x: Floats, least: float, most: float) -> Floats:
 
 @dataclass(frozen=True)
 class Scaling:
-    """The symmetric map W of Nesterov and Todd between inner points: ``W z = W^-1 s``.
+    """Symmetric map W of Nesterov and Todd between inner points: ``W z = W^-1 s``.
 
     ``W^2 = square (2 w w^T - J)`` with the mirror J = diag(1, -1, ...) and ``w.J w = 1``.
 
@@ -85,20 +86,20 @@ class Scaling:
 
     @classmethod
     def between(cls, s: Floats, z: Floats) -> "Scaling":
-        """That of points s and z, inside."""
+        """Return the scaling of interior points s and z."""
         s_size, z_size = np.sqrt(determinant(s)), np.sqrt(determinant(z))
         unit, other = s / s_size, z / z_size
         half = np.sqrt((1 + inner(unit, other)) / 2)
         w = unit - other
         w[0] = unit[0] + other[0]
         w /= 2 * half
-        # On w.J w = 1, whatever round-off did to it.
+        # Enforce w.J w = 1 despite round-off.
         w[0] = np.sqrt(1 + inner(w[1:], w[1:]))
         scaling = cls(s_size / z_size, w, z)
         return cls(scaling.square, w, scaling.times(z))
 
     def times(self, z: Floats) -> Floats:
-        """``W z``."""
+        """Return ``W z``."""
         root = np.sqrt(self.square)
         across = inner(self.w[1:], z[1:])
         found = np.empty_like(z)
@@ -107,7 +108,7 @@ class Scaling:
         return found
 
     def by(self, s: Floats) -> Floats:
-        """``W^-1 s``."""
+        """Return ``W^-1 s``."""
         root = 1 / np.sqrt(self.square)
         across = inner(self.w[1:], s[1:])
         found = np.empty_like(s)
@@ -118,12 +119,12 @@ class Scaling:
 
 @dataclass(frozen=True)
 class Compliance:
-    """``C = square (S + rank w w^T)`` of m points, with S = diag(first, 1, ..., 1).
+    """Compliance ``C = square (S + rank w w^T)`` of m points, with S = diag(first, 1, ..., 1).
 
     Attributes:
         square, rank: shape (m,).
         w: shape (dim, m).
-        first: -1 where ``C = W^2`` of a scaling, which is definite though S is not; else 1.
+        first: -1 where ``C = W^2`` of a scaling, which is definite although S is not; else 1.
     """
 
     square: Floats
@@ -133,26 +134,26 @@ class Compliance:
 
     @classmethod
     def twice(cls, scaling: Scaling) -> "Compliance":
-        """``W^2``."""
+        """Return ``W^2``."""
         return cls(scaling.square, np.full(scaling.square.size, 2.0), scaling.w, -1.0)
 
     @classmethod
     def none(cls, count: int) -> "Compliance":
-        """Of rows that hold exactly, of one component."""
+        """Return the zero compliance of rows that hold exactly, of one component."""
         return cls(np.zeros(count), np.zeros(count), np.zeros((1, count)))
 
     def times(self, z: Floats) -> Floats:
-        """``C z``."""
+        """Return ``C z``."""
         found = z + self.rank * inner(self.w, z) * self.w
         found[0] += (self.first - 1) * z[0]
         return np.asarray(self.square * found)
 
     def inverse(self, delta: Floats) -> "Inverse":
-        """``(C + delta)^-1``."""
+        """Return ``(C + delta)^-1``."""
         return self.through(lambda c: np.asarray(1 / (c + delta)))
 
     def through(self, function: Callable[[Floats], Floats]) -> "Inverse":
-        """The function of C that its eigenvalues have."""
+        """Return a function of C, given as a function of its eigenvalues."""
         square, w = self.square, self.w
         plain = function(square)
         if self.first > 0:
@@ -167,7 +168,10 @@ class Compliance:
         return Inverse(plain, high, low, w / np.maximum(size, _TINY), self.first)
 
     def along(self, rates: Floats, steep: float) -> Floats:
-        """The z that makes up for rates along what flows: more than `steep` times across it."""
+        """Return the z that corrects rates along flow directions.
+
+        These are directions more than `steep` times as compliant as those across the flow.
+        """
         if self.first < 0:
             return self._at_edge(rates, steep)
         size = inner(self.w, self.w)
@@ -176,7 +180,7 @@ class Compliance:
         return np.asarray(np.where(flows, inner(self.w, rates) / own, 0.0) * self.w)
 
     def _at_edge(self, rates: Floats, steep: float) -> Floats:
-        """Of ``W^2`` the z that makes up for rates along an edge, where ``w.w > steep``."""
+        """Return the z that corrects rates along an edge for ``C = W^2``, where ``w.w > steep``."""
         if self.w.shape[0] == 1:
             return np.zeros_like(rates)
         size = lengths(self.w[1:])
@@ -187,15 +191,16 @@ class Compliance:
 
 @dataclass(frozen=True)
 class Inverse:
-    """``(C + delta)^-1``, or another function of C: ``plain (1 + one w w^T)``.
+    """``(C + delta)^-1`` or another function of C, as ``plain (1 + one w w^T)``.
 
-    Where ``C = W^2``, in the frame of each point, as eigenvalues lie far apart near the edge of a
-    cone: `one` along ``(1, w_1)``, `two` along ``(1, -w_1)``, and `plain` across both, w_1 a unit.
+    Where ``C = W^2`` it is kept in the frame of each point, because its eigenvalues differ widely
+    near the edge of a cone: `one` along ``(1, w_1)``, `two` along ``(1, -w_1)``, and `plain` across
+    both, where w_1 is a unit vector.
 
     Attributes:
         plain, one, two: shape (m,).
         w: shape (dim, m).
-        first: of `Compliance`.
+        first: see `Compliance`.
     """
 
     plain: Floats
@@ -205,7 +210,7 @@ class Inverse:
     first: float = 1.0
 
     def times(self, a: Floats) -> Floats:
-        """That times a."""
+        """Return the product with a."""
         if self.first > 0:
             return np.asarray(self.plain * (a + self.one * inner(self.w, a) * self.w))
         along = inner(self.w[1:], a[1:])
@@ -231,16 +236,16 @@ class Inverse:
 
 @dataclass(frozen=True)
 class Eliminated:
-    """The t of m cones ``(t, y)`` that cost ``c t + h t^2/2``, of a step.
+    """The eliminated t of m cones ``(t, y)`` with the cost ``c t + h t^2/2`` in a step.
 
-    ``dt = height_0/raised + by_tau dtau - across.dz_1`` of a given ``height = W^2 dz + ds``, and
-    of what is left ``dy + C dz_1`` is given, ``C = square (1 + rank w w^T)``.
+    ``dt = height_0/raised + by_tau dtau - across.dz_1`` for a given ``height = W^2 dz + ds``. The
+    remaining equations give ``dy + C dz_1`` with ``C = square (1 + rank w w^T)``.
 
     Attributes:
         raised, by_tau: shape (m,).
         across: shape (d, m).
         rank: shape (m,).
-        slope: of the gap by t, shape (m,).
+        slope: derivative of the gap by t, shape (m,).
     """
 
     raised: Floats
@@ -252,14 +257,14 @@ class Eliminated:
 
 @dataclass(frozen=True)
 class Compliances:
-    """Compliances of several kinds, one after the other.
+    """Compliances of several kinds, joined.
 
     See `Compliance` and `lacore_backends._embedding.rows.Stack`.
 
     Attributes:
-        square, rank: of all points.
-        w: of all kinds, shape (dim, m) each, as one array.
-        first: of each kind.
+        square, rank: values of all points.
+        w: values of all kinds, shape (dim, m) each, as one array.
+        first: value of each kind.
     """
 
     square: Floats
@@ -269,17 +274,17 @@ class Compliances:
 
     @classmethod
     def of(cls, parts: Sequence[Compliance]) -> "Compliances":
-        """Those of each kind."""
+        """Join the compliances of each kind."""
         return cls(*_joined(parts))
 
     def parts(self, spans: Ints) -> list[Compliance]:
-        """Of each kind."""
+        """Return the compliance of each kind."""
         return [Compliance(*part) for part in _split(self, spans)]
 
 
 @dataclass(frozen=True)
 class Inverses:
-    """Of several kinds, one after the other: see `Inverse` and `Compliances`."""
+    """Inverses of several kinds, joined: see `Inverse` and `Compliances`."""
 
     plain: Floats
     one: Floats
@@ -289,22 +294,22 @@ class Inverses:
 
     @classmethod
     def of(cls, parts: Sequence[Inverse]) -> "Inverses":
-        """Those of each kind."""
+        """Join the inverses of each kind."""
         return cls(*_joined(parts))
 
     def parts(self, spans: Ints) -> list[Inverse]:
-        """Of each kind."""
+        """Return the inverse of each kind."""
         return [Inverse(*part) for part in _split(self, spans)]
 
 
 def _joined(parts: Sequence[Compliance] | Sequence[Inverse]) -> Iterator[Floats]:
-    """The fields of several kinds, each as one array: those of points, w, `first`."""
+    """Yield each field of several kinds as one array: those of points, w, and `first`."""
     for field in fields(parts[0]):
         yield np.concatenate([np.ravel(getattr(part, field.name)) for part in parts])
 
 
 def _split(joined: Compliances | Inverses, spans: Ints) -> Iterator[tuple[Any, ...]]:
-    """The fields of each kind: what `_joined` made one."""
+    """Yield the fields of each kind, the inverse of `_joined`."""
     *numbers, w, firsts = (getattr(joined, field.name) for field in fields(joined))
     for (dim, count, row, point, _), first in zip(spans.tolist(), firsts, strict=True):
         own = [number[point : point + count] for number in numbers]
@@ -312,7 +317,7 @@ def _split(joined: Compliances | Inverses, spans: Ints) -> Iterator[tuple[Any, .
 
 
 def _block(plain: Floats, rank: Floats, w: Floats) -> Floats:
-    """``plain + rank w w^T``, shape (dim, dim, m)."""
+    """Return ``plain + rank w w^T``, shape (dim, dim, m)."""
     block = rank * w[:, None] * w
     which = np.arange(w.shape[0])
     block[which, which] += plain

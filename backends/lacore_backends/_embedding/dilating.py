@@ -1,7 +1,7 @@
-"""Flow that dilates besides (T52, S-step) as an unknown that moves at a given speed.
+"""Prescribed dilation (T52, S-step) as an additional unknown with a given speed.
 
-Certificates know laws, which have no such dilation. Of the same velocities and one more unknown,
-whose speed is known and whose rows are the dilation, they know all.
+The laws of certificates have no prescribed dilation. With one more unknown, whose speed is given
+and whose rows are the dilation, the same velocities can be certified.
 """
 
 from dataclasses import replace
@@ -19,14 +19,16 @@ from lacore.solvers.inner.left_over import dilates_besides
 def as_moved(
     program: KinematicProgram, state: ProgramState
 ) -> tuple[KinematicProgram, ProgramState]:
-    """A program without dilation, in which one unknown more moves as it says, and its state.
+    """Return an equivalent program without prescribed dilation, and its state.
 
-    As they are where nothing dilates besides.
+    The program has one more unknown with a given speed. Program and state are returned unchanged if
+    nothing has a prescribed dilation.
     """
     if not dilates_besides(program):
         return program, state
     u = state.velocity
-    speed = float(np.abs(u).max(initial=0.0)) or 1.0  # no faster than all others
+    # The additional unknown is no faster than all others.
+    speed = float(np.abs(u).max(initial=0.0)) or 1.0
     groups, force = [], 0.0
     for group, mean in zip(program.groups, state.mean_stress, strict=True):
         besides = np.zeros(group.volumetric.shape[0])
@@ -45,7 +47,8 @@ def as_moved(
         groups=tuple(groups),
         contact=rows,
         reference_load=np.append(program.reference_load, 0.0),
-        dead_load=np.append(program.dead_load, force),  # what moves it is in balance
+        # The force on the additional unknown balances it.
+        dead_load=np.append(program.dead_load, force),
         parts=np.append(program.part, program.part.max(initial=-1) + 1),
     )
     return moved, replace(state, velocity=np.append(u, speed))

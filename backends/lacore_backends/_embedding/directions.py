@@ -1,4 +1,4 @@
-"""Newton steps of the embedding: predictor, corrector, and the correctors of Gondzio."""
+"""Newton steps of the embedding: predictor, corrector, and Gondzio's correctors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,20 +13,20 @@ from lacore_backends._embedding.system import Border, System
 from lacore_backends._embedding.vectors import Vector
 
 EXACT, MOST = 1e-5, 5
-_MENDED = 0.1  # of what a solution leaves, by which its forces are mended: of nodal forces all
-_AGAIN = 2  # times a solution is mended whose forces do not balance
-_BALANCED = 0.1  # of the forces out of balance, or of the tolerance: what a step may leave
+_MENDED = 0.1  # tolerance of a correction of the forces, by the residual of the solution
+_AGAIN = 2  # number of corrections of a solution whose forces do not balance
+_BALANCED = 0.1  # allowed residual of a step, by the unbalanced forces or the tolerance
 
 
 @dataclass(frozen=True)
 class _Reduced:
-    """Right-hand sides of a direction, without its t (`lacore_backends._embedding.cones`).
+    """Right-hand sides of a direction after elimination of t (`lacore_backends._embedding.cones`).
 
     Attributes:
-        right: of `System`.
-        leads: of the t of costly cones.
+        right: right-hand side of `System`.
+        leads: values for the t of costly cones.
         heights: ``W^2 dz + ds`` of each cone.
-        kappa: of ``tau dkappa + kappa dtau``.
+        kappa: right-hand side of ``tau dkappa + kappa dtau``.
     """
 
     right: Vector
@@ -36,17 +36,17 @@ class _Reduced:
 
 
 class Directions:
-    """Steps from one place."""
+    """Newton steps from one iterate."""
 
     def __init__(self, place: Place, system: System) -> None:
-        """Raises `SingularError` where the stiffness is not definite."""
+        """Factorise the equations; raises `SingularError` if the stiffness is not definite."""
         conic, at = place.conic, place.at
         self._place, self._system = place, system
         self._loops = conic.equal.loops
         pairs = zip(place.slacks, place.multipliers, strict=True)
         self._scalings = [self._loops.scaled(s, z) for s, z in pairs]
         count = len(conic.costly)
-        self._first = count + len(conic.free)  # of the cones of planes
+        self._first = count + len(conic.free)  # index of the first cones of planes
         self._costly, self._free = self._scalings[:count], self._scalings[count : self._first]
         self._eliminated = [
             self._loops.eliminated(scaling, one.cost, one.rise, own[0], at.tau)
@@ -79,9 +79,10 @@ class Directions:
         self._start = system.factorise(soft, self._reference(), border, self._ahead.right)
 
     def _reference(self) -> float:
-        """A compliance per squared norm of rows, of the cones where power is dissipated.
+        """Return a compliance per squared norm of rows, typical of cones that dissipate power.
 
-        Across its direction a flowing cone has t/c; along it none resists.
+        A flowing cone has the compliance t/c across its direction and hardly any stiffness along
+        it.
         """
         conic, place = self._place.conic, self._place
         count = len(conic.costly)
@@ -122,10 +123,10 @@ class Directions:
         return softness / power if softness > 0 else 1.0
 
     def _reduced(self, share: float, heights: Sequence[Floats], kappa: float) -> _Reduced:
-        """Right-hand sides of a step that takes a share of what is left.
+        """Return the right-hand side of a step that removes a share of the residuals.
 
         Args:
-            share: of the residuals.
+            share: share of the residuals.
             heights: ``W^2 dz + ds`` of each cone.
             kappa: ``tau dkappa + kappa dtau``.
         """
@@ -160,13 +161,13 @@ class Directions:
         return _Reduced(right, leads, heights, kappa)
 
     def _roughly(self, given: _Reduced, start: Vector, left: Vector) -> "Directed":
-        """The step from such a start, and what that leaves."""
+        """Return the step from this start, and its residual."""
         plain, left = self._system.improved(given.right, start, left)
         x = self._system.along(plain, left)
         return Directed(self._step(given, x), given, x, plain, left)
 
     def _step(self, given: _Reduced, x: Vector) -> Step:
-        """All of a step of which the solution of the equations is known."""
+        """Return the full step for a solution of the equations."""
         conic, at = self._place.conic, self._place.at
         count, loops = len(conic.costly), self._loops
         strained = tuple(
@@ -214,12 +215,15 @@ class Directions:
         )
 
     def to_edges(self) -> "Directed":
-        """The predictor: to the edges of all cones."""
+        """Return the predictor, a step to the edges of all cones."""
         right = self._ahead.right
         return self._roughly(self._ahead, self._start, self._system.leaves(right, self._start))
 
     def to_centre(self, mu: float, share: float, ahead: "Directed") -> tuple["Directed", "Aim"]:
-        """Towards ``s o z = mu e``, corrected by what the predictor leaves of its own aim."""
+        """Return the corrected step towards ``s o z = mu e``, and its aim.
+
+        The correction is the error of the predictor in its own aim.
+        """
         at, step = self._place.at, ahead.step
         slacks, multipliers = step.cones
         triples = zip(self._scalings, slacks, multipliers, strict=True)
@@ -229,7 +233,7 @@ class Directions:
         return self.towards(aim, ahead), aim
 
     def towards(self, aim: "Aim", known: "Directed") -> "Directed":
-        """The step to an aim, by a single solve of what it is beside one that is known."""
+        """Return the step to an aim by a single solve for the difference from a known step."""
         given = self._given(aim)
         beside = given.right.plus(known.given.right, -1.0)
         more = self._system.once(beside)
@@ -237,10 +241,11 @@ class Directions:
         return self._roughly(given, known.plain.plus(more), left)
 
     def exactly(self, known: "Directed", tolerance: float) -> Step:
-        """A step refined.
+        """Return a refined step.
 
-        In units of the scaling, forces on stiff contact are small: those of a few points that are
-        held in all directions may be left far out of balance, and are asked for themselves.
+        In the units of the scaling, the forces of stiff contact are small. Those of a few points
+        that are held in all directions may remain far from balance, and are then solved for
+        separately.
         """
         given, system = known.given, self._system
         right = given.right
@@ -258,7 +263,7 @@ class Directions:
         return self._step(given, x)
 
     def _loads(self) -> float:
-        """Sum of all nodal loads, times tau."""
+        """Return the sum of all nodal loads, times tau."""
         conic, at = self._place.conic, self._place.at
         loads = abs(at.load) * np.abs(conic.load).sum() + at.tau * conic.weight
         return float(loads)
@@ -271,9 +276,10 @@ class Directions:
     def banded(
         self, step: Step, share: float, band: tuple[float, float]
     ) -> tuple[list[Floats], float]:
-        """What moves eigenvalues of ``s o z`` after a share of a step into a band.
+        """Return the changes that bring the eigenvalues of ``s o z`` after a step into a band.
 
-        And tau kappa, no further down than its upper end.
+        They are those after a share of the step. The second value is the change of tau kappa, which
+        is reduced by no more than the upper end of the band.
         """
         at = self._place.at
         slacks, multipliers = step.cones
@@ -285,13 +291,13 @@ class Directions:
 
 @dataclass(frozen=True)
 class Directed:
-    """A step, and the solution of the equations that it is made of.
+    """Step, and the solution of the equations that it comes from.
 
     Attributes:
-        step: what comes of x.
+        step: the step that belongs to x.
         given: the equations.
-        x: their solution, with the rates of what flows made exact.
-        plain, left: the solution without that, and what it leaves but for round-off.
+        x: their solution, with exact rates along the flow.
+        plain, left: the solution without that correction, and its residual without round-off.
     """
 
     step: Step
@@ -303,14 +309,14 @@ class Directed:
 
 @dataclass(frozen=True)
 class Aim:
-    """What a step is to do: with a share of the residuals, to products, and to tau kappa."""
+    """Aim of a step: share of the residuals, products, and tau kappa."""
 
     share: float
     products: tuple[Floats, ...]
     kappa: float
 
     def more(self, products: Sequence[Floats], kappa: float) -> "Aim":
-        """With other products added."""
+        """Return the aim with other products added."""
         pairs = zip(self.products, products, strict=True)
         return Aim(self.share, tuple(a + b for a, b in pairs), self.kappa + kappa)
 

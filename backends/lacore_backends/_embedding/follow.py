@@ -1,4 +1,4 @@
-"""The way of the embedding from its start to an answer, or to a proof that there is none."""
+"""Iteration of the embedding from its start to an answer, or to a proof that there is none."""
 
 import time
 from collections.abc import Callable
@@ -14,16 +14,17 @@ from lacore_backends._embedding.place import Place, Step, largest
 from lacore_backends._embedding.system import System
 from lacore_backends._goal import Goal
 
-_AWAY = 0.97  # of the way to the boundary of the cones
-_CORRECTORS = 2  # of Gondzio
-_FURTHER = 0.3  # how much longer a step they aim at
-_GAIN = 0.1  # share of that which they must gain
-_BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
-_SHORTEST = 1e-5  # step that leads nowhere
-_ROUND_OFF = 10.0  # tolerances that may be left where round-off ends the way
-_NOTHING = 0.01  # of the tolerance, per elastic power: a load factor that is zero
-_NEAR, _LOST = 1e-4, 1e3  # residuals that are next to an answer, and times as much: lost again
-_SUMMED = 100.0  # tolerances that forces out of balance may work: what certificates allow
+_AWAY = 0.97  # share of the way to the boundary of the cones
+_CORRECTORS = 2  # number of Gondzio's correctors
+_FURTHER = 0.3  # increase of the step length that they aim at
+_GAIN = 0.1  # share of this increase that they must achieve
+_BAND = (0.1, 10.0)  # band of products around sigma mu within which they are not changed
+_SHORTEST = 1e-5  # shortest useful step
+_ROUND_OFF = 10.0  # allowed residual in tolerances where round-off ends the iteration
+_NOTHING = 0.01  # tolerance of a zero load factor, in tolerances per elastic power
+# residuals close to an answer, and the factor of growth that shows its loss
+_NEAR, _LOST = 1e-4, 1e3
+_SUMMED = 100.0  # allowed power of unbalanced forces, in tolerances: that of certificates
 
 
 _STUCK = ("no progress", "singular matrix", "iteration limit")
@@ -31,7 +32,7 @@ _STUCK = ("no progress", "singular matrix", "iteration limit")
 
 @dataclass(frozen=True)
 class EmbeddingResult:
-    """Where the iteration ended, or was at its best."""
+    """Last or best iterate."""
 
     native: str
     iterations: int
@@ -46,10 +47,15 @@ def follow(
     power: float,
     other: Callable[[], System] | None = None,
 ) -> EmbeddingResult:
-    """From a start, and the power that its velocity turns over, to the end.
+    """Iterate from a start to the end.
 
     Args:
-        other: solves the same equations, slower, and goes on where forces are lost to round-off.
+        system: equations of a step.
+        goal: tolerance and limits.
+        at: first iterate.
+        power: power that its velocity dissipates.
+        other: makes a slower solver of the same equations, which continues where forces are lost to
+            round-off.
     """
     conic = at.conic
     before, lost = at, np.inf
@@ -64,7 +70,7 @@ def follow(
             best, least = place, left
         if native:
             break
-        if least <= _NEAR and left > _LOST * least:  # round-off is all that is left of the way
+        if least <= _NEAR and left > _LOST * least:  # Only round-off remains.
             native = "no progress"
             break
         if iteration == goal.max_iterations:
@@ -93,7 +99,7 @@ def follow(
 
 
 def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, float]:
-    """The step and its share."""
+    """Return the step and the share of it to take."""
     ahead = directions.to_edges()
     alpha = min(1.0, place.farthest(ahead.step))
     sigma = (1 - alpha) ** 4
@@ -116,23 +122,25 @@ def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, floa
 
 
 def judged(place: Place, goal: Goal, power: float) -> str:
-    """How it ends here; empty where it goes on.
+    """Return the native status of an iterate; empty if the iteration continues.
 
     Args:
-        power: of the elastic velocity, which turns a size of tau into one of power.
+        place: the iterate.
+        goal: tolerance.
+        power: power of the elastic velocity, which converts tau to a power.
     """
     at, conic, left = place.at, place.conic, place.left
     if nothing(place, power) <= goal.tolerance:
         return "nothing to overcome"
     if largest(*residuals(place, power)) <= goal.tolerance:
         return "solved"
-    # A ray of multipliers: whatever has F0.u = 1 would do more work than nothing at no cost.
+    # A ray of multipliers proves that every velocity with F0.u = 1 would have a negative cost.
     gain = place.bound + place.rising / (2 * at.tau)
     force = np.abs(place.force + at.load * conic.load).max(initial=0.0)
     size = float(np.abs(conic.load).max(initial=0.0))
     if gain > 0 and largest(force / size, at.tau * power) <= goal.tolerance * gain:
         return "locked"
-    # A ray of velocities: the dead loads work more than it dissipates.
+    # A ray of velocities: the dead loads do more work than it dissipates.
     missed = largest(place.missed, abs(left.load) / size, at.tau / size)
     if place.cost < 0 and missed <= goal.tolerance * place.fastest:
         gained = -goal.tolerance * largest(place.cost, place.dissipating)
@@ -142,9 +150,9 @@ def judged(place: Place, goal: Goal, power: float) -> str:
 
 
 def nothing(place: Place, power: float) -> float:
-    """How far it is from a load factor of zero: powers and forces per those of the elastic body.
+    """Return the error of a zero load factor: powers and forces by those of the elastic body.
 
-    What is left per a load that vanishes never ends.
+    Residuals by a load that vanishes would never meet a tolerance.
     """
     at, conic = place.at, place.conic
     scale = at.tau * min(1.0, power)
@@ -158,9 +166,10 @@ def nothing(place: Place, power: float) -> float:
 
 
 def residuals(place: Place, power: float) -> tuple[float, float, float]:
-    """Of powers, forces and velocities, relative; of forces, the power of those out of balance too.
+    """Return the relative residuals of powers, forces and velocities.
 
-    Of many small nodal forces none shows beside the loads, and all of them together move the load.
+    That of the forces includes the power of all unbalanced forces: many small nodal forces can move
+    the load together although each of them is negligible.
     """
     at, conic, left = place.at, place.conic, place.left
     floor = _NOTHING * min(1.0, power)

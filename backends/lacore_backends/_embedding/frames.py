@@ -1,4 +1,4 @@
-"""What all planes of a point leave of its stiffness, in the frame of its principal directions."""
+"""Stiffness of points after elimination of all their planes, in principal directions."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,8 +19,9 @@ class Frame:
 
     Attributes:
         values: shape (dim, m).
-        vectors: V, a direction a column, shape (m, dim, dim).
-        square: of `lacore_backends._embedding.cones.Compliance`: across what flows, shape (m,).
+        vectors: V, one direction per column, shape (m, dim, dim).
+        square: compliance across the flow, as in `lacore_backends._embedding.cones.Compliance`,
+            shape (m,).
     """
 
     values: Floats
@@ -29,7 +30,7 @@ class Frame:
 
     @classmethod
     def of(cls, planes: Planes, scalings: Sequence[Scaling]) -> "Frame":
-        """``C = sum B_i^T W_i^2 B_i`` of planes, of both of their kinds of cones."""
+        """Return ``C = sum B_i^T W_i^2 B_i`` of planes with both kinds of cones."""
         first, others = scalings
         loops, (count, _, m) = planes.rows.loops, planes.slope.shape
         values, vectors = loops.frames(first, others.square, planes.slope, planes.sheared)
@@ -37,28 +38,31 @@ class Frame:
         return cls(values, vectors, squares.reshape(count, m).sum(axis=0))
 
     def pulled(self, rows: Rows, a: Floats, force: Floats) -> None:
-        """``matrix^T C a`` added to a force."""
+        """Add ``matrix^T C a`` to a force."""
         force += rows.force(rows.loops.framed(self.values, self.vectors, a))
 
     def moved(self, rows: Rows, u: Floats, a: Floats, z: Floats) -> None:
-        """``C (a - matrix u)`` into z."""
+        """Write ``C (a - matrix u)`` to z."""
         z[:] = rows.loops.framed(self.values, self.vectors, a - rows.at(u))
 
     def applied(self, rows: Rows, u: Floats, z: Floats, force: Floats, found: Floats) -> None:
-        """``matrix u + C z`` added to what was found, and ``matrix^T z`` to a force."""
+        """Add ``matrix u + C z`` to `found`, and ``matrix^T z`` to a force."""
         found += rows.at(u) + rows.loops.framed(self.values, self.vectors, z)
         force += rows.force(z)
 
     def inverse(self, delta: Floats) -> "Frame":
-        """``(C + delta)^-1``."""
+        """Return ``(C + delta)^-1``."""
         return self.through(lambda c: np.asarray(1 / (c + delta)))
 
     def through(self, function: Callable[[Floats], Floats]) -> "Frame":
-        """The function of C that its eigenvalues have."""
+        """Return a function of C, given as a function of its eigenvalues."""
         return Frame(function(self.values), self.vectors, self.square)
 
     def along(self, steep: float, rates: Floats, z: Floats) -> None:
-        """Add what makes up for rates along what flows: more than `steep` times across it."""
+        """Add the z that corrects rates along flow directions.
+
+        These are directions more than `steep` times as compliant as those across the flow.
+        """
         flows = self.values > _STEEP * steep * self.square
         along = np.einsum("mij,im->jm", self.vectors, rates)
         share = np.where(flows, along / np.where(flows, self.values, 1.0), 0.0)

@@ -1,7 +1,7 @@
-"""The least program with every kind of row: solved once, so that all loops are compiled.
+"""Smallest program with every kind of row, solved once to compile all loops.
 
-Where nothing is kept from an earlier process numba takes seconds to compile them, and many on a
-machine that is busy: within a solve they counted to its time limit.
+If no compiled code is cached, numba takes seconds to compile the loops, and longer on a busy
+machine. During a solve this time would count to its time limit.
 """
 
 import numpy as np
@@ -14,7 +14,10 @@ _N = 2 * _CONES + _POINTS
 
 
 def least_program() -> tuple[KinematicProgram, FrozenContact]:
-    """Cones that keep their volume, on points that rub, dilate and stick; its load is positive."""
+    """Return a small program with a positive load, and its contact.
+
+    Its cones keep their volume, and its contact points rub, dilate and stick.
+    """
     rows = np.eye(_N)
     volumes = np.zeros((_CONES, _N))
     volumes[:, 0] = 0.5

@@ -1,12 +1,12 @@
-"""Motions that nothing resists, as unknowns of their own, which the loads alone know.
+"""Motions without resistance as separate unknowns that only the loads act on.
 
-A body that no support holds, or that slides along a smooth wall, moves without any strain, and so
-does the whole program at the load factor that puts it in balance. With velocities
+A body without supports, or one that slides along a smooth wall, moves without strain. So does the
+whole program at the load factor that balances it. With velocities
 
     u = Z a + v,   v = 0 where a moves,   rows Z = 0
 
-no row knows a, and ``lambda F0.Z + tau Fd.Z = 0`` says the load factor before anything is solved.
-Of these motions two at most count, as there are two loads; all others stand still.
+no row contains a, and ``lambda F0.Z + tau Fd.Z = 0`` gives the load factor before the solve. At
+most two of these motions count, since there are two loads; all others are fixed.
 """
 
 from dataclasses import dataclass, replace
@@ -21,16 +21,18 @@ from lacore_backends._embedding.arrays import Conic
 from lacore_backends._embedding.rigid import softest, without_strain
 from lacore_backends._embedding.rows import Rows
 
-_WORKS = 1e-6  # of the nodal forces of a load, times the fastest: less is in balance
-_STRAINED = 1e-8  # of those of the dead ones: so much may be what round-off strains of a motion
+# power of a load by its nodal forces and the largest velocity, below which it is balanced
+_WORKS = 1e-6
+# limit for the power of the dead loads, which the round-off strain of a motion may cause
+_STRAINED = 1e-8
 
 
 @dataclass(frozen=True)
 class Loose:
-    """A program in q, of which a part is a.
+    """Program in unknowns q, some of which are a.
 
     Attributes:
-        conic: its `loose` unknowns are a.
+        conic: program whose `loose` unknowns are a.
         basis: ``u = basis q``, shape (n, n).
     """
 
@@ -43,7 +45,10 @@ class Loose:
         return bool(np.any(self.conic.load[self.conic.loose]))
 
     def alone(self) -> tuple[Floats, float]:
-        """The least a at the speed of the load, as u, and the load factor that balances it."""
+        """Return the smallest a at the speed of the load, and the load factor that balances it.
+
+        The former is returned as u.
+        """
         own = self.conic.loose
         load, dead = self.conic.load[own], self.conic.dead[own]
         size = float(load @ load)
@@ -51,7 +56,7 @@ class Loose:
 
 
 def loosened(conic: Conic, solver: SymmetricSolver) -> Loose | None:
-    """The program with such motions as unknowns of their own; None where there are none."""
+    """Return the program with such motions as separate unknowns; None if there are none."""
     try:
         modes = _modes(conic, solver)
     except SingularError:
@@ -66,7 +71,7 @@ def loosened(conic: Conic, solver: SymmetricSolver) -> Loose | None:
     turn, works, _ = np.linalg.svd(modes.T @ (loads / np.where(sums > 0, sums, 1.0)))
     known = int(np.sum(works > _WORKS))
     moving = modes @ turn[:, :known]
-    # Motions that dead loads alone drive are unsafe, or round-off: as stated, what resists decides.
+    # Motions driven by dead loads alone are unsafe or round-off, so the original program decides.
     if known == 2 or np.any(np.abs(conic.load @ moving) <= _WORKS * sums[0]):
         return None
     moving = moving / np.abs(moving).max(axis=0, initial=0.0)
@@ -75,13 +80,13 @@ def loosened(conic: Conic, solver: SymmetricSolver) -> Loose | None:
     rows, columns = np.tile(np.arange(n), known), np.repeat(own[:known], n)
     moved = csr_matrix((moving.T.ravel(), (rows, columns)), (n, n))
     basis = csr_matrix(diags_array(kept) + moved)
-    # Of several motions that F0 drives one would run off against the others for next to nothing.
+    # Of several motions driven by F0, one would move against the others almost without power.
     balanced = np.abs(conic.dead @ moving) <= _STRAINED * sums[1]
     return Loose(_stated(conic, kept, basis, own[:known], balanced), basis)
 
 
 def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
-    """Motions without any rate, orthonormal, shape (n, k)."""
+    """Return the motions without strain, orthonormal, shape (n, k)."""
     each = [
         diags_array(np.repeat(1 / np.sqrt(kind.norms), kind.dim)) @ kind.matrix
         for kind in conic.kinds
@@ -92,7 +97,10 @@ def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
 
 
 def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints, balanced: Bools) -> Conic:
-    """The program in q: rows know what is not a motion, dead loads no motion in `balanced`."""
+    """Return the program in q.
+
+    Rows do not contain the motions, and dead loads do not act on motions in `balanced`.
+    """
     straining = diags_array(kept)
 
     def cut(rows: Rows) -> Rows:

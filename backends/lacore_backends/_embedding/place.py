@@ -1,4 +1,4 @@
-"""Where the method is: an iterate of the homogeneous self-dual embedding, and what it leaves."""
+"""Iterates of the homogeneous self-dual embedding and their residuals."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Step:
-    """An iterate or a change of one.
+    """Iterate or a change of one.
 
     Attributes:
         conic: the program.
@@ -29,7 +29,7 @@ class Step:
         flows: x of the cones of planes, two arrays for each of their kinds.
         bounded: zeta of planes, shape (d + L, m) each.
         load: lambda.
-        tau, kappa: of the embedding.
+        tau, kappa: variables of the embedding.
     """
 
     conic: Conic
@@ -46,7 +46,7 @@ class Step:
     kappa: float
 
     def plus(self, other: "Step", share: float = 1.0) -> "Step":
-        """The sum, of a share of the other."""
+        """Return the sum with a share of the other step."""
 
         def sums(own: Iterable[Floats], more: Iterable[Floats]) -> tuple[Floats, ...]:
             return tuple(a + share * b for a, b in zip(own, more, strict=True))
@@ -96,16 +96,16 @@ class Step:
 
 
 def paired(planes: Sequence[Planes], parts: Sequence[T]) -> list[tuple[Planes, Sequence[T]]]:
-    """Planes of each kind, and what there is of both of their kinds of cones."""
+    """Return the planes of each kind with the parts of both of their kinds of cones."""
     return [(one, parts[2 * at : 2 * at + 2]) for at, one in enumerate(planes)]
 
 
 @dataclass(frozen=True)
 class Left:
-    """What an iterate leaves of the equations of the embedding.
+    """Residuals of an iterate in the equations of the embedding.
 
     Attributes:
-        force: of equilibrium, shape (n,).
+        force: residual of equilibrium, shape (n,).
         equal: ``E u``.
         costly, free: ``D u - y`` and ``G u + g tau - x``.
         planes: ``R u - e tau - sum B_i^T x_i``.
@@ -123,7 +123,7 @@ class Left:
 
 
 class Place:
-    """An iterate with what is computed of it once."""
+    """Iterate with cached results."""
 
     def __init__(self, conic: Conic, at: Step) -> None:
         self.conic, self.at = conic, at
@@ -131,7 +131,7 @@ class Place:
 
     @property
     def sound(self) -> bool:
-        """Whether it is strictly inside of all cones."""
+        """Whether the iterate is strictly inside all cones."""
         return (
             self.at.tau > 0
             and self.at.kappa > 0
@@ -157,7 +157,7 @@ class Place:
 
     @cached_property
     def cost(self) -> float:
-        """``c.t + h t^2/(2 tau) - Fd.u``: tau times what is minimised."""
+        """Primal objective times tau: ``c.t + h t^2/(2 tau) - Fd.u``."""
         pairs = zip(self.conic.costly, self.at.strained, strict=True)
         plastic = sum(float(one.cost @ own[0]) for one, own in pairs)
         plastic += sum(one.cost(flows) for one, flows in self.at.flowing)
@@ -165,9 +165,9 @@ class Place:
 
     @property
     def dissipating(self) -> float:
-        """As `cost`, of what the velocity itself strains, whatever the rates of cones are.
+        """As `cost`, but with the strain rates of the velocity in place of the rates of cones.
 
-        Of planes that of their flows, as many of which strain alike.
+        Planes keep the cost of their flows, because many flows have the same strain rate.
         """
         conic, u = self.conic, self.at.velocity
         plastic = sum(float(one.cost @ lengths(one.rows.at(u))) for one in conic.costly)
@@ -176,7 +176,7 @@ class Place:
 
     @cached_property
     def bound(self) -> float:
-        """``lambda - g.r + e.zeta - h t^2/(2 tau)``: tau times what is maximised."""
+        """Dual objective times tau: ``lambda - g.r + e.zeta - h t^2/(2 tau)``."""
         conic, at = self.conic, self.at
         shifted = sum(
             float(np.sum(kind.offset * r)) for kind, r in zip(conic.free, at.pressures, strict=True)
@@ -187,7 +187,7 @@ class Place:
 
     @cached_property
     def force(self) -> Floats:
-        """Of all multipliers, without those of the loads, shape (n,)."""
+        """Nodal forces of all multipliers except those of the loads, shape (n,)."""
         conic, at = self.conic, self.at
         force = conic.equal.force(at.equal[None])
         for one, z in zip(conic.costly, at.stresses, strict=True):
@@ -200,7 +200,7 @@ class Place:
 
     @cached_property
     def left(self) -> Left:
-        """Of all equations."""
+        """Residuals of all equations."""
         conic, at = self.conic, self.at
         return Left(
             self.force + at.load * conic.load + at.tau * conic.dead,
@@ -220,7 +220,7 @@ class Place:
 
     @cached_property
     def missed(self) -> float:
-        """Largest rate that is missed of what holds exactly, and of slacks, per norm of its row."""
+        """Largest residual of rates and slacks, by the norm of the row."""
         conic, left = self.conic, self.left
         sizes = [np.abs(left.equal) / np.sqrt(conic.equal.norms)]
         sizes += [
@@ -233,7 +233,7 @@ class Place:
 
     @cached_property
     def unbalanced(self) -> float:
-        """Largest force that is out of balance."""
+        """Largest unbalanced nodal force."""
         return float(np.abs(self.left.force).max(initial=0.0))
 
     @cached_property
@@ -247,7 +247,7 @@ class Place:
         return float(np.abs(self.left.force) @ np.abs(self.at.velocity))
 
     def farthest(self, step: Step) -> float:
-        """Largest share of a step that stays inside."""
+        """Return the largest share of a step that stays inside all cones."""
         at = self.at
         slacks, multipliers = step.cones
         shares = [
@@ -276,5 +276,5 @@ class Place:
 
 
 def largest(*sizes: float) -> float:
-    """Of sizes the largest; NaN where there is one (the built-in max may drop it)."""
+    """Return the largest size; NaN if one of them is NaN, which the built-in max may drop."""
     return float(np.max(sizes))

@@ -1,14 +1,15 @@
-"""Groups whose strength depends on pressure (T39).
+"""Groups with strength that depends on pressure (T39).
 
     D u = sum_i n_i d_i,  V u - e = sum_i a_i lam_i,  ||d_i|| <= lam_i,  cost sum_i b_i lam_i
 
-n_i is 1, or 0 of a plane in p alone, whose ``lam_i >= 0``. Of the rows at a point the multipliers
-are ``zeta = (s, p)``, and those of its cones are affine in them,
+n_i is 1, or 0 for a plane in p alone, for which ``lam_i >= 0``. The multipliers of the rows of a
+point are ``zeta = (s, p)``, and those of its cones are affine in them,
 
     z_i = tau c_i + B_i zeta,  c_i = (b_i, 0),  B_i zeta = (a_i.p, n_i s)
 
-so that a step of ``dz_i`` is one of zeta, and all flows ``x_i = (lam_i, d_i)`` are eliminated at
-their point, however many planes there are: what velocities feel is ``C = sum B_i^T W_i^2 B_i``.
+Steps ``dz_i`` are therefore steps of zeta, and all flows ``x_i = (lam_i, d_i)`` are eliminated at
+their point for any number of planes. The compliance of the velocities is ``C = sum B_i^T W_i^2
+B_i``.
 
 A single plane with an apex is one cone of ``(theta/a, d)``, and its cost a dead load (T38).
 """
@@ -25,14 +26,14 @@ from lacore.program.kinematic import DissipationGroup
 from lacore_backends._embedding.loops.best import Loops
 from lacore_backends._embedding.rows import Rows
 
-_INSIDE = 0.01  # of the strengths of a point: what all planes must leave stress zero
-_SHARPER = (4.0, 16.0, 64.0, 256.0, 1024.0)  # per strength: as sharp as corners get
-_FAR = 4.0  # strengths: from where on a pressure counts as much as a plane that is near
+_INSIDE = 0.01  # share of the strengths of a point that all planes must keep at the initial stress
+_SHARPER = (4.0, 16.0, 64.0, 256.0, 1024.0)  # sharpness of the smooth maximum, per strength
+_FAR = 4.0  # pressure, in strengths, that counts as much as a close plane
 _STEPS = 20
 
 
 def alone(group: DissipationGroup) -> bool:
-    """Whether there is a single plane with an apex at each point."""
+    """Return whether each point has a single plane with an apex."""
     surfaces = group.surfaces
     assert surfaces is not None
     single = surfaces.count == 1 and surfaces.volumes == 1 and bool(surfaces.normed[0] > 0)
@@ -43,9 +44,9 @@ class Apex:
     """One plane with an apex at each of m points.
 
     Attributes:
-        lead: rows of what bounds ``||d||``, without weights, shape (m, n).
-        offset: what is added to it, shape (m,).
-        cost: of velocities, shape (n,).
+        lead: rows of the bound of ``||d||``, without weights, shape (m, n).
+        offset: constant of this bound, shape (m,).
+        cost: cost of velocities, shape (n,).
     """
 
     def __init__(self, group: DissipationGroup) -> None:
@@ -59,7 +60,7 @@ class Apex:
         self.cost = np.asarray(group.volumetric.T @ (group.weights * self._strength / slope))
 
     def mean(self, lead: Floats) -> Floats:
-        """Mean stresses of multipliers of the lead, shape (m,)."""
+        """Return the mean stresses for multipliers of the lead, shape (m,)."""
         return np.asarray(self._strength / self._slope - self._share * lead)
 
 
@@ -67,15 +68,15 @@ class Apex:
 class Planes:
     """k planes at each of m points with d rows of D and L of V; those with a norm come first.
 
-    Their cones are two arrays: of planes with a norm shape (1 + d, k_1 m), the others (1, k_2 m).
+    Their cones are two arrays: planes with a norm have shape (1 + d, k_1 m), the others (1, k_2 m).
 
     Attributes:
-        rows: of D and V, times what their multipliers are to be.
+        rows: rows of D and V, times the scale of their multipliers.
         slope: a, shape (k, L, m).
         strength: b, shape (k, m).
         normed: number k_1.
         given: e, shape (L, m).
-        gain: of multipliers of V, per mean stress, shape (L, m).
+        gain: multiplier of V per mean stress, shape (L, m).
     """
 
     rows: Rows
@@ -87,7 +88,7 @@ class Planes:
 
     @classmethod
     def of(cls, group: DissipationGroup, loops: Loops) -> "Planes":
-        """Those of a group."""
+        """Return the planes of a group."""
         surfaces = group.surfaces
         assert surfaces is not None
         m, _, volumes = surfaces.slope.shape
@@ -114,23 +115,23 @@ class Planes:
         return self.rows.dim - int(self.slope.shape[1])
 
     def cones(self, leads: Floats, sides: Floats) -> list[Floats]:
-        """Of leads of shape (k, m), and what is beside those with a norm, (d, k_1 or 1, m)."""
+        """Return the cones with these leads, shape (k, m), and sides of shape (d, k_1 or 1, m)."""
         first = np.empty((1 + self.sheared, self.normed, self.rows.count))
         first[0], first[1:] = leads[: self.normed], sides
         return [first.reshape(1 + self.sheared, -1), leads[self.normed :].reshape(1, -1)]
 
     def leads(self, cones: Sequence[Floats]) -> Floats:
-        """First components of all cones, shape (k, m)."""
+        """Return the first components of all cones, shape (k, m)."""
         return np.concatenate([part[0] for part in cones]).reshape(self.strength.shape)
 
     def multipliers(self, tau: float, bounded: Floats) -> list[Floats]:
-        """The z of all cones, of zeta of shape (d + L, m)."""
+        """Return the z of all cones for zeta of shape (d + L, m)."""
         d = self.sheared
         leads = tau * self.strength + np.einsum("klm,lm->km", self.slope, bounded[d:])
         return self.cones(leads, bounded[:d, None])
 
     def summed(self, cones: Sequence[Floats]) -> Floats:
-        """``sum B_i^T x_i``, shape (d + L, m)."""
+        """Return ``sum B_i^T x_i``, shape (d + L, m)."""
         d = self.sheared
         found = np.empty((self.rows.dim, self.rows.count))
         found[:d] = cones[0][1:].reshape(d, self.normed, -1).sum(axis=1)
@@ -138,20 +139,20 @@ class Planes:
         return found
 
     def cost(self, cones: Sequence[Floats]) -> float:
-        """``sum c_i.x_i``."""
+        """Return ``sum c_i.x_i``."""
         return float(np.sum(self.strength * self.leads(cones)))
 
     def missed(self, velocity: Floats, tau: float, cones: Sequence[Floats]) -> Floats:
-        """``R u - e tau - sum B_i^T x_i``, shape (d + L, m)."""
+        """Return ``R u - e tau - sum B_i^T x_i``, shape (d + L, m)."""
         found = self.rows.at(velocity) - self.summed(cones)
         found[self.sheared :] -= tau * self.given
         return found
 
     def inside(self) -> Floats:
-        """Multipliers zeta inside of all planes, shape (d + L, m): none where that is inside.
+        """Return multipliers zeta inside all planes, shape (d + L, m): zero if zero is inside.
 
-        Without strength stress zero is at an edge. There p minimises a smooth maximum of what is
-        used of planes, sharper and sharper until it is inside.
+        Without cohesion, zero stress is on an edge. There p minimises a smooth maximum of the
+        utilisation of the planes, which is sharpened until p is inside.
         """
         found = np.zeros((self.rows.dim, self.rows.count))
         size = np.median(np.abs(self.strength), axis=0)
@@ -170,18 +171,18 @@ class Planes:
         return found
 
     def mean(self, bounded: Floats) -> Floats:
-        """Mean stresses, point by point, shape (m L,)."""
+        """Return the mean stress of each point, shape (m L,)."""
         return np.asarray(-(self.gain * bounded[self.sheared :]).T.ravel())
 
 
 def _least(slope: Floats, strength: Floats, p: Floats) -> Floats:
-    """What the nearest plane leaves, shape (m,)."""
+    """Return the margin to the nearest plane, shape (m,)."""
     left = strength + np.einsum("klm,ml->km", slope, p)
     return np.asarray(left.min(axis=0))
 
 
 def _pushed(slope: Floats, strength: Floats, p: Floats, sharp: float) -> Floats:
-    """Newton's method for the log of ``sum exp(-sharp left_i)``, and little of ``|p|^2``."""
+    """Minimise the log of ``sum exp(-sharp left_i)`` plus a little ``|p|^2`` by Newton's method."""
     own = np.eye(p.shape[1]) / _FAR**2
     for _ in range(_STEPS):
         left = strength + np.einsum("klm,ml->km", slope, p)
@@ -192,7 +193,7 @@ def _pushed(slope: Floats, strength: Floats, p: Floats, sharp: float) -> Floats:
         spread -= mean[:, :, None] * mean[:, None]
         slopes = p / _FAR**2 - mean
         step = np.linalg.solve(sharp * spread + own, slopes[:, :, None])[:, :, 0]
-        # No longer than what all planes change little in: the curvature is that of this place.
+        # Limit the step, because the curvature changes where the margins of planes change much.
         longest = np.abs(np.einsum("klm,ml->km", slope, step)).max(axis=0)
         p = p - step / np.maximum(1.0, sharp * longest / 2)[:, None]
     return p

@@ -1,11 +1,11 @@
-"""Motions of bodies as they are, as unknowns of their own.
+"""Rigid motions of bodies as separate unknowns.
 
-A body that slides as one strains by round-off, and its stiffness against straining is 1e20 times
-that of what it slides on: in the sum of both the latter is lost. With velocities
+A body that slides without strain has strains from round-off alone, and its stiffness is 1e20 times
+that of the contact on which it slides. In the sum of both the latter would be lost. With velocities
 
     U = Z a + v,   v = 0 where a moves,   D Z = 0
 
-its rows do not know a, and contact alone resists it.
+the rows of the body do not contain a, and contact alone resists it.
 """
 
 from dataclasses import dataclass, replace
@@ -19,15 +19,15 @@ from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore.program.kinematic import KinematicProgram
 
-_MOST = 7  # motions that are looked for: of a body one more than there are in space
-_SHIFT = 1e-10  # of the diagonal: next to the least stiffness of a body, nothing
-_TIMES = 3  # solves, each of which leaves a millionth of what is no motion as one
-_STRAINS = 1e-10  # of a row and a velocity: more is a strain
+_MOST = 7  # number of motions to search for: one more than a body has in three dimensions
+_SHIFT = 1e-10  # shift by the diagonal: negligible compared with the smallest stiffness of a body
+_TIMES = 3  # number of solves, each of which reduces other motions by a factor of 1e-6
+_STRAINS = 1e-10  # strain rate by row and velocity above which a motion has strain
 
 
 @dataclass(frozen=True)
 class Motions:
-    """Motions without strain of all bodies, each named by an unknown that it alone moves.
+    """Motions without strain of all bodies, each identified by an unknown that only it moves.
 
     Attributes:
         own: these unknowns, shape (k,).
@@ -38,7 +38,7 @@ class Motions:
     basis: Sparse
 
     def stated(self, program: KinematicProgram) -> KinematicProgram:
-        """The program in q; strain rates do not know what moves bodies as they are."""
+        """Return the program in q, whose strain rates do not contain the rigid motions."""
         kept = np.ones(program.n)
         kept[self.own] = 0.0
         straining = csr_matrix(diags_array(kept))
@@ -71,7 +71,7 @@ class Motions:
 
 
 def motions(program: KinematicProgram, solver: SymmetricSolver) -> Motions | None:
-    """The motions of bodies that touch something; None where no body moves as it is."""
+    """Return the motions of bodies in contact; None if no body moves without strain."""
     contact = program.contact
     if not program.groups or not contact.count:
         return None
@@ -105,7 +105,7 @@ def motions(program: KinematicProgram, solver: SymmetricSolver) -> Motions | Non
 
 
 def _straining(program: KinematicProgram) -> Sparse:
-    """Rows of all strain rates and changes of volume, each of length one."""
+    """Return the rows of all strain rates and changes of volume, normalised."""
     rows = csr_matrix(
         vstack([*(g.rows for g in program.groups), *(g.volumetric for g in program.groups)])
     )
@@ -114,15 +114,15 @@ def _straining(program: KinematicProgram) -> Sparse:
 
 
 def softest(stiffness: Sparse, solver: SymmetricSolver, forces: Floats) -> Floats:
-    """Velocities that resist least, by inverse iteration, shape (n, `_MOST`).
+    """Return the velocities of least resistance, by inverse iteration, shape (n, `_MOST`).
 
     Args:
-        stiffness: semidefinite, n rows; without any for an unknown it is free.
-        solver: takes it with a shift.
-        forces: what some of the velocities are looked for from, shape (n, k).
+        stiffness: positive semidefinite, n rows; an unknown without stiffness is free.
+        solver: factorises it with a shift.
+        forces: starts of some of the velocities, shape (n, k).
 
     Raises:
-        SingularError: it cannot be factorised, or they are no numbers.
+        SingularError: the matrix cannot be factorised, or the velocities are not finite.
     """
     diagonal = stiffness.diagonal()
     diagonal[diagonal == 0] = 1.0
@@ -143,15 +143,15 @@ def softest(stiffness: Sparse, solver: SymmetricSolver, forces: Floats) -> Float
 
 
 def without_strain(rows: Sparse, found: Floats) -> Floats:
-    """Of velocities of a body those that strain nothing, orthonormal, shape (n, k)."""
+    """Return an orthonormal basis of the velocities without strain, shape (n, k)."""
     basis, _ = np.linalg.qr(found)
-    none = np.zeros((basis.shape[1], basis.shape[1]))  # so that there are as many rows as motions
+    none = np.zeros((basis.shape[1], basis.shape[1]))  # There must be as many rows as motions.
     _, strains, turn = np.linalg.svd(np.vstack([rows @ basis, none]), full_matrices=False)
     return np.asarray(basis @ turn[strains <= _STRAINS * np.sqrt(rows.shape[0])].T)
 
 
 def _resisted(rows: Sparse, modes: Floats) -> Floats:
-    """Those that contact feels at all; of the others no unknown has a stiffness."""
+    """Return the motions that contact resists; the others have no stiffness in any unknown."""
     if not modes.shape[1]:
         return modes
     _, sizes, turn = np.linalg.svd(rows @ modes, full_matrices=False)

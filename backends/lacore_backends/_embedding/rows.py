@@ -13,13 +13,13 @@ from lacore_backends._embedding.loops.best import Loops
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of m points of `dim` components each, point by point.
+    """Rows of m points with `dim` components each.
 
     Attributes:
         matrix: shape (m dim, n).
-        dim: components of a point.
-        norms: squared norm of the rows of a point, their mean, shape (m,).
-        loops: over points.
+        dim: number of components of a point.
+        norms: mean squared norm of the rows of each point, shape (m,).
+        loops: loops over points.
     """
 
     matrix: Sparse
@@ -29,9 +29,9 @@ class Rows:
 
     @classmethod
     def of(cls, matrix: Sparse, dim: int, weights: Floats, loops: Loops) -> "Rows":
-        """Rows times the weights of their points, shape (m,)."""
+        """Return the rows times the weights of their points, shape (m,)."""
         row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-        own = copy(matrix)  # what it is made of is checked at every other making
+        own = copy(matrix)  # SciPy would check the arrays again each time a matrix is made of them.
         own.data = matrix.data * np.repeat(weights, dim)[row]
         squares = np.bincount(row // dim, own.data**2, weights.size) / dim
         largest = float(squares.max(initial=0.0)) or 1.0
@@ -43,24 +43,24 @@ class Rows:
         return int(self.norms.size)
 
     def at(self, velocity: Floats) -> Floats:
-        """Components of all points, shape (dim, m)."""
+        """Return the components of all points, shape (dim, m)."""
         return self.loops.rates(self.matrix, self.dim, velocity)
 
     def force(self, parts: Floats) -> Floats:
-        """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
+        """Return ``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
         return self.loops.forces(self.matrix, parts)
 
 
 @dataclass(frozen=True)
 class Stack:
-    """Rows of several kinds below each other: one call does what is done to all of them.
+    """Stacked rows of several kinds, so that one call handles all of them.
 
     Attributes:
         matrix: shape (all rows, n).
-        spans: of each kind its dim and count, its first row, its first point, and where in the
-            array of a `Vector` its multipliers are, shape (k, 5).
-        norms: of all points.
-        loops: over points.
+        spans: dim, count, first row, first point, and place of the multipliers in the array of a
+            `Vector`, for each kind, shape (k, 5).
+        norms: norms of all points.
+        loops: loops over points.
     """
 
     matrix: Sparse
@@ -70,7 +70,7 @@ class Stack:
 
     @classmethod
     def of(cls, kinds: Sequence[Rows], places: Sequence[int]) -> "Stack":
-        """Of kinds whose multipliers begin at such places."""
+        """Stack kinds whose multipliers begin at these places."""
         sizes = [(rows.dim, rows.count) for rows in kinds]
         first_row = np.cumsum([0, *(dim * count for dim, count in sizes)])
         first_point = np.cumsum([0, *(count for _, count in sizes)])

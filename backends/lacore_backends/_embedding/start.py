@@ -1,4 +1,4 @@
-"""Where the method starts: at the velocity of an elastic body, without stress."""
+"""Initial iterate: the velocity of an elastic body, without stress."""
 
 import numpy as np
 
@@ -8,15 +8,15 @@ from lacore_backends._embedding.cones import lengths
 from lacore_backends._embedding.place import Step
 from lacore_backends._embedding.system import System
 
-_BULK = 1e6  # stiffness of rows that hold exactly, per that of their body
-_AWAY = 1.1  # of the length of a strain rate: the t
-_NO_STRAIN = 1e-5  # per row and speed: of a body that is held it is as much as one element
+_BULK = 1e6  # stiffness of rows that hold exactly, by that of their body
+_AWAY = 1.1  # t by the length of the strain rate
+_NO_STRAIN = 1e-5  # strain rate by row and speed: below that of one element in a body that is held
 
 
 def start(conic: Conic, system: System) -> tuple[Step, float]:
-    """An iterate inside of all cones, and the power that its velocity turns over.
+    """Return an iterate inside all cones, and the power that its velocity dissipates.
 
-    Without dead loads and contact stress zero is in equilibrium, and stays near it.
+    Without dead loads and contact, zero stress is in equilibrium, and the iterates stay near it.
     """
     typical = conic.typical
     costly = [one.cost / one.weights for one in conic.costly]
@@ -70,7 +70,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
 
 
 def unresisted(begin: Step) -> bool:
-    """Whether the elastic velocity moves something as it is, and nothing seems in its way."""
+    """Return whether the elastic velocity moves a body without strain or resistance."""
     conic, velocity = begin.conic, begin.velocity
     fastest = float(np.abs(velocity).max(initial=0.0))
     rates = [np.abs(rows.at(velocity)) / np.sqrt(rows.norms) for rows in conic.kinds]
@@ -78,10 +78,11 @@ def unresisted(begin: Step) -> bool:
 
 
 def _moving(conic: Conic) -> float:
-    """What points would turn over that resist the speed of the load, a root of them at a time.
+    """Return the power that points would dissipate at the speed of the load.
 
-    An elastic body that is free to move hardly strains. Where it begins so, all cones are at their
-    edges before anything is known of the load.
+    As many points as the square root of their number are assumed to resist. An elastic body that is
+    free to move hardly strains. Its strain rates would put all cones on their edges before the load
+    is known.
     """
     strengths = [one.cost for one in conic.costly] + [conic.typical] * (
         len(conic.free) + len(conic.planes)
@@ -93,5 +94,5 @@ def _moving(conic: Conic) -> float:
 
 
 def _lead(cost: Floats, rise: Floats, mu: float) -> Floats:
-    """The t of ``c t + h t^2 = 2 mu``."""
+    """Return the t with ``c t + h t^2 = 2 mu``."""
     return np.asarray(4 * mu / (cost + np.sqrt(cost**2 + 8 * mu * rise)))

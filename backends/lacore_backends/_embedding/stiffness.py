@@ -1,7 +1,7 @@
-"""``K = sum R^T M R`` of the same rows and other blocks again and again: its pattern, and its sum.
+"""``K = sum R^T M R`` of constant rows and changing blocks: its pattern and its sum.
 
-Points that touch the same unknowns, those of an element, are summed up by dense products before
-anything is scattered: a fifth of the time of products of sparse matrices.
+Points with the same unknowns, such as those of an element, are summed by dense products before the
+result is scattered. This takes a fifth of the time of sparse products.
 """
 
 from collections.abc import Sequence
@@ -15,18 +15,18 @@ from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore_backends._embedding.loops.best import Loops
 from lacore_backends._embedding.rows import Rows
 
-_RUNS = (1, 2, 3, 4, 6, 7, 12)  # points of an element
-_FIRST = 84 * 4  # points that tell how many they are: a number of runs of each
+_RUNS = (1, 2, 3, 4, 6, 7, 12)  # numbers of points of an element
+_FIRST = 84 * 4  # points from which this number is determined: a multiple of each number above
 
 
 @dataclass(frozen=True)
 class _Bucket:
-    """Points with as many unknowns each, those of an element beside each other.
+    """Points with equal numbers of unknowns, those of an element next to each other.
 
     Attributes:
-        points: their numbers, shape (e, k): k points of each of e elements.
-        rows: dense, shape (e, k, dim, c).
-        columns: of the c unknowns, shape (e, c).
+        points: numbers of the points, shape (e, k), for k points of each of e elements.
+        rows: dense rows, shape (e, k, dim, c).
+        columns: columns of the c unknowns, shape (e, c).
     """
 
     points: Ints
@@ -35,10 +35,10 @@ class _Bucket:
 
 
 class Stiffness:
-    """K of kinds of rows, always with the same pattern, whatever zeros the blocks hold.
+    """K of several kinds of rows, with a pattern that does not depend on zeros in the blocks.
 
     Attributes:
-        diagonal: where in its data the diagonal is, shape (n,).
+        diagonal: places of the diagonal in its data, shape (n,).
     """
 
     def __init__(self, kinds: Sequence[Rows], loops: Loops) -> None:
@@ -54,7 +54,10 @@ class Stiffness:
         self.diagonal = starts[:-1]
 
     def _known(self, columns: Ints) -> int:
-        """Which of the elements have these unknowns: strain and volume are of the same."""
+        """Return the number of the elements with these unknowns.
+
+        Strains and volumes of a group have the same unknowns.
+        """
         for number, known in enumerate(self._elements):
             if np.array_equal(known, columns):
                 return number
@@ -62,7 +65,7 @@ class Stiffness:
         return len(self._elements) - 1
 
     def upper(self, blocks: Sequence[Floats]) -> Sparse:
-        """The upper triangle of K for symmetric blocks of shape (dim, dim, m) of each kind."""
+        """Return the upper triangle of K for symmetric blocks of each kind, shape (dim, dim, m)."""
         data = self._loops.assembled(
             self._pattern.nnz,
             [bucket.rows for _, bucket in self._buckets],
@@ -70,13 +73,14 @@ class Stiffness:
             self._places,
             [blocks[kind] for kind, _ in self._buckets],
         )
-        matrix = copy(self._pattern)  # what it is made of is checked at every other making
+        # SciPy would check the arrays again each time a matrix is made of them.
+        matrix = copy(self._pattern)
         matrix.data = data
         return matrix
 
 
 def _buckets(rows: Rows, loops: Loops) -> list[_Bucket]:
-    """Runs of points by how many unknowns they touch."""
+    """Return runs of points with equal numbers of unknowns."""
     if not rows.count:
         return []
     matrix, dim, run = rows.matrix, rows.dim, _run(rows, loops)
@@ -92,10 +96,10 @@ def _buckets(rows: Rows, loops: Loops) -> list[_Bucket]:
 
 
 def _run(rows: Rows, loops: Loops) -> int:
-    """How many points, one after the other, to sum up before anything is scattered.
+    """Return the number of consecutive points to sum before the result is scattered.
 
-    Those of an element touch the same unknowns, but for some whose rates are zero at a point. As
-    many as scatter the fewest entries, of the first points.
+    The points of an element have the same unknowns, except where a rate is zero. The number that
+    scatters the fewest entries of the first points is chosen.
     """
     starts, first = rows.matrix.indptr[: _FIRST * rows.dim + 1], {}
     for run in _RUNS:

@@ -3,9 +3,9 @@
     D^T z + E^T p + G^T r + R^T zeta = f    with C and W^2 the scalings of the cones,
     D u + C z = a,  E u = b,  G u + W^2 r = g,  R u + C zeta = d
 
-z, zeta, p and r are eliminated point by point, with small compliances added where there is next to
-none: ``K = D^T (C + delta)^-1 D + G^T (W^2 + delta)^-1 G + E^T delta^-1 E``, and of R as of D.
-Refinement, of the equations without them, takes back what they change.
+z, zeta, p and r are eliminated point by point, with small compliances added where there is almost
+none: ``K = D^T (C + delta)^-1 D + G^T (W^2 + delta)^-1 G + E^T delta^-1 E``, plus a term of R like
+that of D. Iterative refinement of the original equations removes their effect.
 """
 
 from collections.abc import Sequence
@@ -22,23 +22,23 @@ from lacore_backends._embedding.rows import Rows, Stack
 from lacore_backends._embedding.stiffness import Stiffness
 from lacore_backends._embedding.vectors import Layout, Vector
 
-_ROUGH = 1e-3  # of the right-hand side: what `improved` may leave
+_ROUGH = 1e-3  # allowed residual of `improved`, by the right-hand side
 _TINY = np.finfo(float).tiny
-_CAP = 1e9  # of compliances of cones: how much stiffer than flowing ones they may get
-_VOLUME = 1e8  # and of rows that hold exactly
-_FLOWING = 1e4  # w.w: compliance along the flow, per that across it
-_LEAST = 1e-20  # of the largest: a diagonal, with less of which PARDISO ends
-_SHIFT = 1e-14  # of each diagonal, so that motions without any stiffness do not end it
+_CAP = 1e9  # largest stiffness of cones, by that of flowing ones
+_VOLUME = 1e8  # the same for rows that hold exactly
+_FLOWING = 1e4  # w.w above which a cone is compliant along its flow
+_LEAST = 1e-20  # smallest diagonal, by the largest: PARDISO fails below it
+_SHIFT = 1e-14  # shift of the diagonal, so that motions without stiffness do not fail
 
 
 @dataclass(frozen=True)
 class Border:
-    """What tau does to the rates of cones, and multipliers and tau to the gap.
+    """Columns and row of tau, lambda and the gap.
 
     Attributes:
-        rates: shape (dim, m) each.
-        slopes: of the gap by multipliers, shape (dim, m) each.
-        tau: slope of the gap by tau.
+        rates: derivative of the rates of cones by tau, shape (dim, m) each.
+        slopes: derivative of the gap by multipliers, shape (dim, m) each.
+        tau: derivative of the gap by tau.
     """
 
     rates: tuple[Floats, ...]
@@ -48,7 +48,7 @@ class Border:
 
 @dataclass(frozen=True)
 class _Framed:
-    """Planes of a kind: their rows, where their multipliers are, and what is soft and stiff."""
+    """Planes of a kind: their rows, the place of their multipliers, and both compliances."""
 
     rows: Rows
     own: slice
@@ -57,12 +57,12 @@ class _Framed:
     stiff: Frame
 
     def part(self, x: Vector) -> Floats:
-        """Their multipliers, shape (dim, m)."""
+        """Return their multipliers, shape (dim, m)."""
         return x.data[self.own].reshape(self.shape)
 
 
 class System:
-    """The equations of a program, with a pattern that stays."""
+    """Equations of a program with a constant pattern."""
 
     def __init__(self, conic: Conic, stiffness: Stiffness, solver: SymmetricSolver) -> None:
         self._conic, self._stiffness, self._solver = conic, stiffness, solver
@@ -75,14 +75,15 @@ class System:
         self._loops = conic.equal.loops
 
     def elastic(self, costly: Sequence[Floats], equal: Floats, free: Sequence[Floats]) -> Floats:
-        """``K^-1 F0`` of springs with stiffnesses of each kind of points, shape (m,) each."""
+        """Return ``K^-1 F0`` of springs with these stiffnesses of points, shape (m,) each."""
         conic, blocks = self._conic, []
         for rows, stiffness in zip(conic.kinds, [*costly, *free, equal], strict=True):
             blocks.append(np.eye(rows.dim)[:, :, None] * stiffness)
         self._take(blocks)
         if not np.any(conic.load[conic.loose]):
             return self._solver.solve(conic.load)
-        alone = np.zeros_like(conic.load)  # they give way, and nothing else does
+        # These unknowns have no resistance, so nothing else moves.
+        alone = np.zeros_like(conic.load)
         alone[conic.loose] = conic.load[conic.loose]
         return alone
 
@@ -93,10 +94,10 @@ class System:
         return diagonal
 
     def _summed(self, blocks: Sequence[Floats]) -> tuple[Sparse, Floats]:
-        """The upper triangle of K, and its diagonal."""
+        """Return the upper triangle of K, and its diagonal."""
         matrix = self._stiffness.upper(blocks)
         diagonal = matrix.data[self._stiffness.diagonal]
-        diagonal[self._conic.loose] = diagonal.mean()  # one as good as another: `_bordered`
+        diagonal[self._conic.loose] = diagonal.mean()  # The value does not matter: see `_bordered`.
         floor = _TINY + _LEAST * diagonal.max(initial=1.0)
         matrix.data[self._stiffness.diagonal] = np.maximum(diagonal * (1 + _SHIFT), floor)
         return matrix, np.asarray(np.maximum(diagonal, floor))
@@ -104,10 +105,16 @@ class System:
     def factorise(
         self, soft: Sequence[Compliance | Frame], reference: float, border: Border, right: Vector
     ) -> Vector:
-        """Take the compliances of all cones; `reference` is one of those that flow, per norm.
+        """Factorise for the compliances of all cones.
+
+        Args:
+            soft: compliances of the cones.
+            reference: compliance of a flowing cone, by the squared norm of its rows.
+            border: columns of tau and lambda.
+            right: first right-hand side, which is solved together with the border.
 
         Returns:
-            What `once` would of a first right-hand side, which the border is solved beside.
+            The result of `once` for the first right-hand side.
 
         Raises:
             SingularError: the matrix is not definite.
@@ -134,7 +141,7 @@ class System:
         weights.equal[:] = np.sqrt(held)
         for part, own in zip(weights.parts, soft, strict=False):
             part[:] = 1 / np.sqrt(own.square)
-        # What tau does to each equation, and each unknown to the gap.
+        # Effects of tau on each equation, and of each unknown on the gap.
         rate.force[:], slope.force[:] = conic.dead, -conic.dead
         pairs = zip(rate.parts, slope.parts, border.rates, border.slopes, strict=False)
         for part, other, given, its_slope in pairs:
@@ -159,31 +166,32 @@ class System:
         return self._bordered(right, first)
 
     def _factorised(self, reference: float) -> Floats:
-        """Factorise what stiffness makes; the diagonal of K."""
+        """Factorise the matrix of the stiffness blocks, and return the diagonal of K."""
         return self._take(self._stiff_blocks())
 
     def _stiff_blocks(self) -> list[Floats]:
-        """Of all kinds, shape (dim, dim, m) each."""
+        """Return the blocks of all kinds, shape (dim, dim, m) each."""
         *found, equal = self._loops.blocks(self._stack, self._stiff)
         return [*found, *(own.stiff.blocks for own in self._frames), equal]
 
     def _gap(self, x: Vector) -> float:
-        """What all but lambda and tau add to the gap."""
+        """Return the contribution of all unknowns except lambda and tau to the gap."""
         return float(self._slope[:-2] @ x.data[:-2])
 
     def once(self, right: Vector) -> Vector:
-        """The solution with the small compliances."""
+        """Return the solution of the equations with the small compliances."""
         (x,) = self._inner(right)
         return self._bordered(right, x)
 
     def _bordered(self, right: Vector, x: Vector) -> Vector:
-        """With lambda and tau, and unknowns that none but they move."""
+        """Add lambda, tau, and the unknowns that only they move."""
         by_load, by_tau = self._columns
         loose = self._conic.loose
         rest = right.load - float(self._conic.load @ x.force), right.tau - self._gap(x)
         if loose.size:
             load, tau, *own = np.linalg.solve(self._small, [*rest, *right.force[loose]])
-            x.force[loose] += own  # without them nothing is left there by the load and tau found
+            # With this lambda and tau the equations of these unknowns have no residual.
+            x.force[loose] += own
         else:
             load, tau = _pair(self._small, *rest)
         x.data[:] += load * by_load.data
@@ -192,9 +200,9 @@ class System:
         return x
 
     def _inner(self, *rights: Vector) -> list[Vector]:
-        """Those without lambda and tau, of several right-hand sides."""
+        """Return the solutions without lambda and tau for several right-hand sides."""
         found = []
-        for right in rights:  # PARDISO takes up to twice as long for three at once
+        for right in rights:  # PARDISO takes up to twice as long for three at once.
             force, x = -right.force, Vector(self.layout, np.empty(self.layout.size))
             self._loops.pulled(self._stack, self._stiff, right.data, force)
             for own in self._frames:
@@ -208,7 +216,7 @@ class System:
         return found
 
     def times(self, x: Vector) -> Vector:
-        """The left-hand sides."""
+        """Return the left-hand sides."""
         load, out = self._conic.load, Vector(self.layout, x.tau * self._rate)
         out.force[:] += x.load * load
         self._loops.times(self._stack, self._flat, x.data, out.data)
@@ -218,17 +226,17 @@ class System:
         return out
 
     def left(self, right: Vector, x: Vector) -> Vector:
-        """What a solution leaves of the equations."""
+        """Return the residual of a solution."""
         return right.plus(self.times(x), -1.0)
 
     def leaves(self, right: Vector, x: Vector) -> Vector:
-        """What `once` leaves of the equations but for round-off: of rates, what they add to C."""
+        """Return the residual of `once` without round-off: the added compliances times x."""
         return Vector(self.layout, self._added * x.data)
 
     def improved(self, right: Vector, start: Vector, left: Vector) -> tuple[Vector, Vector]:
-        """A solution and what it leaves, from a start: by a single solve where that is too much.
+        """Return a solution and its residual, improved by a single solve if the residual is large.
 
-        As `solve`, but of what `leaves` tells.
+        As `solve`, but with the residuals of `leaves`.
         """
         size = self._size(left)
         if size <= _ROUGH * self._size(right):
@@ -240,10 +248,10 @@ class System:
         return start.plus(more, share), left.plus(image, -share)
 
     def solve(self, right: Vector, start: Vector, exactness: float, most: int) -> Vector:
-        """The solution from a start, by at most so many solves.
+        """Return the solution from a start with at most `most` solves.
 
-        Flexible GMRES, in units of the scaling: what the small compliances leave is large in a few
-        directions, which plain refinement takes back slowly.
+        Flexible GMRES in the units of the scaling is used, because the effect of the small
+        compliances is large in a few directions, where plain refinement converges slowly.
         """
         x, left = start, self.left(right, start)
         first = size = self._size(left)
@@ -278,10 +286,11 @@ class System:
         return float(np.linalg.norm(self._weights * x.data))
 
     def along(self, x: Vector, left: Vector) -> Vector:
-        """The rates of what flows made exact: there z hardly feels it, and cones feel it most.
+        """Return the solution with exact rates along the flow.
 
-        A flowing cone is as near to its edge as mu is to zero, and what is left of its rate along
-        the flow moves it by as much. Stresses that take it up are too small for equilibrium.
+        There z has hardly any effect, but cones react most. A flowing cone is as close to its edge
+        as mu is to zero, and the residual of its rate along the flow moves it by as much. The
+        stresses that remove this residual are too small to affect equilibrium.
         """
         moved = Vector(self.layout, x.data.copy())
         self._loops.along(self._stack, self._flat, _FLOWING, left.data, moved.data)
@@ -291,7 +300,7 @@ class System:
 
 
 def _pair(small: Floats, first: float, second: float) -> tuple[float, float]:
-    """The solution of two equations, a twentieth of the time of a call of LAPACK."""
+    """Return the solution of two equations in a twentieth of the time of a LAPACK call."""
     (a, b), (c, d) = small.tolist()
     if abs(c) > abs(a):
         a, b, c, d, first, second = c, d, a, b, second, first

@@ -1,4 +1,4 @@
-"""Unknowns of a step, or right-hand sides: one array, and views of its parts."""
+"""Unknowns of a step or right-hand sides: one array, and views of its parts."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +10,7 @@ from lacore_backends._embedding.arrays import Conic
 
 
 class Layout:
-    """Where what is in the array of a `Vector`."""
+    """Places of the parts in the array of a `Vector`."""
 
     def __init__(self, conic: Conic) -> None:
         shapes = [(rows.dim, rows.count) for rows in conic.kinds]
@@ -22,19 +22,19 @@ class Layout:
         ]
         self.costly = len(conic.costly)
         self.free = self.costly + len(conic.free)
-        self.size = int(ends[-1]) + 2  # and lambda and tau
+        self.size = int(ends[-1]) + 2  # The last two entries are lambda and tau.
 
     def zeros(self) -> "Vector":
-        """Nothing."""
+        """Return a vector of zeros."""
         return Vector(self, np.zeros(self.size))
 
 
 @dataclass(frozen=True)
 class Vector:
-    """u, z, r and zeta of costly and free cones and planes, p, lambda, tau; or forces, and so on.
+    """u, z, r and zeta of cones and planes, p, lambda and tau; or right-hand sides.
 
     Attributes:
-        layout: of the array.
+        layout: layout of the array.
         data: shape (size,).
     """
 
@@ -78,9 +78,9 @@ class Vector:
 
     @property
     def tau(self) -> float:
-        """Of the embedding."""
+        """Variable of the embedding."""
         return float(self.data[-1])
 
     def plus(self, other: "Vector", share: float = 1.0) -> "Vector":
-        """The sum, of a share of the other."""
+        """Return the sum with a share of the other vector."""
         return Vector(self.layout, self.data + share * other.data)

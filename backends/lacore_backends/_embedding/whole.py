@@ -1,14 +1,14 @@
-"""The same equations with what is stiff as unknowns: where velocities alone lose the forces.
+"""The same equations with stiff parts as unknowns, for cases where velocities lose the forces.
 
-Of contact that does not open, and of bodies that do not strain, stiffness is 1e9 times that of the
-rest, and forces that come of velocities through it are out of balance by as many times round-off.
-So each stiffness ``S = (C + delta)^-1`` is taken as two, one of them moderate,
+Contact that does not open and bodies that do not strain are 1e9 times as stiff as the rest. Forces
+computed from velocities through this stiffness are then out of balance by as many times the
+round-off. Each stiffness ``S = (C + delta)^-1`` is therefore split in two, one of them moderate,
 
     S = S_1 + L L^T,  S_1 = (C + Delta)^-1,    z = S_1 (a - D u) + L q,  q = L^T (a - D u)
 
-and ``[-K_1, D^T L; L^T D, 1]`` is factorised: symmetric, not definite, and none of its blocks is
-ill-conditioned. Forces of q balance as those of unknowns do. Three times the work of K, for
-programs that K does not solve.
+and ``[-K_1, D^T L; L^T D, 1]`` is factorised. It is symmetric and indefinite, and none of its
+blocks is ill-conditioned. The forces of q balance like those of unknowns. It takes three times the
+work of K, and is used for programs that K does not solve.
 """
 
 from functools import partial
@@ -23,15 +23,15 @@ from lacore_backends._embedding.stiffness import Stiffness
 from lacore_backends._embedding.system import System
 from lacore_backends._embedding.vectors import Vector
 
-_STIFFER = 1e2  # times as stiff as K lets cones, and rows that hold exactly, get
-_MODERATE = 1e3  # times as stiff as flowing cones: what K_1 knows
+_STIFFER = 1e2  # stiffness of cones and of rows that hold exactly, by their limits in K
+_MODERATE = 1e3  # stiffness in K_1, by that of flowing cones
 
 
 class Whole(System):
-    """See above.
+    """Solver of the equations with stiff parts as unknowns; see the module.
 
     Args:
-        indefinite: of symmetric matrices with pivots of both signs.
+        indefinite: solver of symmetric matrices with pivots of both signs.
     """
 
     def __init__(
@@ -82,17 +82,17 @@ class Whole(System):
 
 
 def _rest(c: Floats, delta: Floats, more: Floats) -> Floats:
-    """Eigenvalues of L by those of C."""
+    """Return the eigenvalues of L by those of C."""
     return np.asarray(np.sqrt((more - delta) / ((c + more) * (c + delta))))
 
 
 def _by_component(dim: int, count: int) -> Ints:
-    """Rows in the order of a `Vector`: those of a component of all points beside each other."""
+    """Return the rows in the order of a `Vector`, those of a component of all points together."""
     return np.arange(dim * count).reshape(count, dim).T.ravel()
 
 
 def _diagonal(blocks: list[Floats]) -> Sparse:
-    """Blocks of shape (dim, dim, m) of each kind as a matrix on the multipliers of a `Vector`."""
+    """Return blocks of shape (dim, dim, m) of each kind as a matrix for the array of a `Vector`."""
     data, rows, columns, first = [], [], [], 0
     for block in blocks:
         dim, _, count = block.shape

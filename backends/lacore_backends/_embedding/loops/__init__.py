@@ -1,1 +1,1 @@
-"""What is done point by point and element by element, with numba and without it."""
+"""Loops over points and elements, with and without numba."""

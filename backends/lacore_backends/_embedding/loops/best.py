@@ -1,4 +1,4 @@
-"""What is done point by point and element by element: compiled where numba is installed."""
+"""Loops over points and elements, compiled if numba is installed."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 
 class Loops(Protocol):
-    """See `lacore_backends._embedding.loops.plain`, whose functions these are."""
+    """Protocol of the functions of `lacore_backends._embedding.loops.plain`."""
 
     @property
     def name(self) -> str:
-        """Of the library."""
+        """Name of the library."""
 
     def pattern(
         self, elements: Sequence[Ints], n: int
@@ -111,16 +111,17 @@ class Loops(Protocol):
 
 
 def compiles() -> bool:
-    """Whether numba is installed, which is not loaded."""
+    """Return whether numba is installed, without loading it."""
     return find_spec("numba") is not None
 
 
 @cache
 def best_loops() -> Loops:
-    """Those of numba where it is installed, else those of NumPy."""
+    """Return the loops of numba if it is installed, else those of NumPy."""
     try:
-        # Here: numba takes a third of a second to load, and only this backend has a use for it.
+        # Import it here, because numba takes a third of a second to load and only this backend uses
+        # it.
         from lacore_backends._embedding.loops import compiled
-    except ImportError:  # an extra
+    except ImportError:  # numba is an optional dependency.
         return plain
     return compiled

@@ -1,6 +1,6 @@
-"""Loops over points and elements that numba compiles, of the extra ``fast``.
+"""Loops over points and elements compiled by numba, of the extra ``fast``.
 
-ImportError where numba is not installed: `plain` then does the same in NumPy.
+The import raises ImportError if numba is not installed; `plain` then does the same in NumPy.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What numba compiles of compliances and their inverses, kind by kind and point by point.
+"""Compiled loops over compliances and their inverses.
 
-See `lacore_backends._embedding.cones.Compliance`, `lacore_backends._embedding.cones.Inverse`, and
-of `spans` `lacore_backends._embedding.rows.Stack`.
+See `lacore_backends._embedding.cones.Compliance` and `lacore_backends._embedding.cones.Inverse`;
+`spans` is explained in `lacore_backends._embedding.rows.Stack`.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What numba compiles of cones, point by point: see `lacore_backends._embedding.cones`."""
+"""Compiled loops over cones: see `lacore_backends._embedding.cones`."""
 
 import numpy as np
 from numba import njit
@@ -6,7 +6,7 @@ from numba import njit
 
 @njit(cache=True, error_model="numpy")
 def _turned(m, root, sign, w, x, at, found):  # type: ignore[no-untyped-def]
-    """``W x`` of a column of x, or ``W^-1 x`` where root and sign are those of the inverse."""
+    """Compute ``W x`` of a column, or ``W^-1 x`` if root and sign are those of the inverse."""
     across = 0.0
     for i in range(1, found.size):
         across += w[i, m] * x[i, at]

@@ -1,14 +1,14 @@
-"""Patterns and sums of matrices of elements that numba compiles."""
+"""Compiled patterns and sums of matrices of elements."""
 
 import numpy as np
 from numba import njit
 
-_FEW = 48  # to put each in its place; more are sorted
+_FEW = 48  # Up to this number columns are inserted in order; more are sorted.
 
 
 @njit(cache=True)
 def touched(starts, columns, dim, n):  # type: ignore[no-untyped-def]
-    """Columns of all rows of a point once, ascending."""
+    """Return the columns of all rows of each point, without repetition, ascending."""
     count = (starts.size - 1) // dim
     ends, found = np.zeros(count + 1, np.int32), np.empty(columns.size, np.int32)
     seen = np.full(n, -1, np.int64)
@@ -32,7 +32,7 @@ def touched(starts, columns, dim, n):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def dense(starts, columns, data, points, wide, found):  # type: ignore[no-untyped-def]
-    """Rows of points of shape (e, k, dim, c), by the columns of their elements."""
+    """Fill the rows of points, shape (e, k, dim, c), by the columns of their elements."""
     elements, count, dim, _ = found.shape
     for e in range(elements):
         for k in range(count):
@@ -47,7 +47,7 @@ def dense(starts, columns, data, points, wide, found):  # type: ignore[no-untype
 
 @njit(cache=True)
 def members(columns, ends, n):  # type: ignore[no-untyped-def]
-    """Which elements have an unknown, one after the other."""
+    """Return which elements have each unknown, joined."""
     first = np.zeros(n + 1, np.int64)
     for column in columns:
         first[column + 1] += 1
@@ -63,7 +63,7 @@ def members(columns, ends, n):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def pattern(columns, ends, first, members, n):  # type: ignore[no-untyped-def]
-    """Starts and columns of the upper triangle, its diagonal in it."""
+    """Return the starts and columns of the upper triangle, including the diagonal."""
     seen = np.full(n, -1, np.int64)
     starts, most = np.zeros(n + 1, np.int32), n
     for e in range(ends.size - 1):
@@ -96,7 +96,10 @@ def pattern(columns, ends, first, members, n):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def places(columns, starts, indices):  # type: ignore[no-untyped-def]
-    """Of the upper triangles of elements, whose columns ascend, shape (e, c (c + 1)/2)."""
+    """Return the places of the upper triangles of elements, shape (e, c (c + 1)/2).
+
+    The columns of each element ascend.
+    """
     elements, width = columns.shape
     places = np.empty((elements, width * (width + 1) // 2), np.int32)
     for e in range(elements):
@@ -127,7 +130,8 @@ def add(data, rows, points, places, block):  # type: ignore[no-untyped-def]
                     value = block[i, j, point]
                     for a in range(width):
                         times[a] += value * rows[e, k, j, a]
-                # All of it: loops of one length are a quarter faster than those over a triangle.
+                # A loop of constant length over the whole matrix is a quarter faster than one over
+                # a triangle.
                 for a in range(width):
                     value = rows[e, k, i, a]
                     for b in range(width):

@@ -1,4 +1,4 @@
-"""Loops over points and elements in NumPy: what `compiled` beside it does, anywhere."""
+"""Loops over points and elements in NumPy, equivalent to those of `compiled`."""
 
 from __future__ import annotations
 
@@ -28,21 +28,23 @@ if TYPE_CHECKING:
     from lacore_backends._embedding.rows import Stack
 
 name = "NumPy"
-Indices = npt.NDArray[np.int32]  # of matrices, as PARDISO takes them
+Indices = npt.NDArray[np.int32]  # type of the indices of matrices for PARDISO
 
 
 def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[Indices]]:
-    """The upper triangle of a matrix in which unknowns of an element meet, and each itself.
+    """Return the pattern of the upper triangle of a matrix summed over elements.
+
+    The diagonal is always included.
 
     Args:
-        elements: unknowns of as many elements each, shape (e, c), ascending.
+        elements: unknowns of elements with equal numbers of them, shape (e, c), ascending.
         n: number of unknowns.
 
     Returns:
-        Starts and columns of its rows, shape (n + 1,) and (nonzero,), and where the upper triangles
-        of the elements are, row after row, shape (e, c (c + 1)/2) each.
+        Starts and columns of the rows, shape (n + 1,) and (nonzero,), and the places of the upper
+        triangles of the elements, row by row, shape (e, c (c + 1)/2) each.
     """
-    # Row and column of each entry as one number; their order is that of a sparse matrix.
+    # Combine row and column of each entry in one number, in the order of a sparse matrix.
     keys = [np.arange(n, dtype=np.int64) * (n + 1)]
     for own in elements:
         row, column = np.triu_indices(own.shape[1])
@@ -62,7 +64,7 @@ def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[In
 
 
 def touched(starts: Indices, columns: Indices, dim: int, n: int) -> tuple[Indices, Indices]:
-    """Of rows, `dim` of them at a time, the n unknowns that they touch, ascending.
+    """Return the unknowns of each point, ascending, for points of `dim` rows each.
 
     Returns:
         Starts, shape (m + 1,), and unknowns.
@@ -75,7 +77,10 @@ def touched(starts: Indices, columns: Indices, dim: int, n: int) -> tuple[Indice
 
 
 def dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:
-    """Rows of points of shape (e, k) by columns of shape (e, c), shape (e, k, dim, c)."""
+    """Return the rows of points, shape (e, k), by columns, shape (e, c).
+
+    The shape is (e, k, dim, c).
+    """
     elements, size = points.shape
     width = columns.shape[1]
     every = (points[:, :, None] * dim + np.arange(dim)).ravel()
@@ -96,13 +101,13 @@ def assembled(
     places: Sequence[Indices],
     blocks: Sequence[Floats],
 ) -> Floats:
-    """``sum R^T M R`` of elements, scattered, shape (size,).
+    """Return ``sum R^T M R`` of elements, scattered, shape (size,).
 
     Args:
-        size: of the result.
-        rows: R of as many elements each, shape (e, k, dim, c): k points of each.
-        points: their numbers, shape (e, k) each.
-        places: where the upper triangles go, shape (e, c (c + 1)/2) each.
+        size: size of the result.
+        rows: R of elements of equal size, shape (e, k, dim, c), for k points each.
+        points: numbers of the points, shape (e, k) each.
+        places: places of the upper triangles, shape (e, c (c + 1)/2) each.
         blocks: M of all points, shape (dim, dim, m) each.
     """
     sums: dict[int, Floats] = {}
@@ -121,17 +126,17 @@ def assembled(
 
 
 def rates(matrix: Sparse, dim: int, velocity: Floats) -> Floats:
-    """``matrix u`` of points with `dim` rows each, shape (dim, m)."""
+    """Return ``matrix u`` of points with `dim` rows each, shape (dim, m)."""
     return np.ascontiguousarray((matrix @ velocity).reshape(-1, dim).T)
 
 
 def forces(matrix: Sparse, parts: Floats) -> Floats:
-    """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
+    """Return ``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
     return np.asarray(matrix.T @ np.ascontiguousarray(parts.T).ravel())
 
 
 def pulled(stack: Stack, stiff: Inverses, right: Floats, force: Floats) -> None:
-    """``matrix^T M a`` added to a force, a in the array of a `Vector`."""
+    """Add ``matrix^T M a`` to a force, a in the array of a `Vector`."""
     parts = [
         stiff_of.times(a).T.ravel()
         for stiff_of, a in zip(stiff.parts(stack.spans), _parts(stack, right), strict=True)
@@ -140,7 +145,7 @@ def pulled(stack: Stack, stiff: Inverses, right: Floats, force: Floats) -> None:
 
 
 def moved(stack: Stack, stiff: Inverses, right: Floats, x: Floats) -> None:
-    """``M (a - matrix u)`` into x, where u is, a and x arrays of a `Vector`."""
+    """Write ``M (a - matrix u)`` to x, where a, u and x are in the arrays of a `Vector`."""
     rates = stack.matrix @ x[: stack.matrix.shape[1]]
     triples = zip(
         stiff.parts(stack.spans), _parts(stack, right), _parts(stack, x), _split(stack), strict=True
@@ -150,7 +155,7 @@ def moved(stack: Stack, stiff: Inverses, right: Floats, x: Floats) -> None:
 
 
 def times(stack: Stack, soft: Compliances, x: Floats, out: Floats) -> None:
-    """``matrix^T z`` added to the forces in out, and ``matrix u + C z`` to what is beside them."""
+    """Add ``matrix^T z`` to the forces in out, and ``matrix u + C z`` to its other parts."""
     n = stack.matrix.shape[1]
     rates = stack.matrix @ x[:n]
     parts = _parts(stack, x)
@@ -162,7 +167,10 @@ def times(stack: Stack, soft: Compliances, x: Floats, out: Floats) -> None:
 
 
 def along(stack: Stack, soft: Compliances, steep: float, left: Floats, x: Floats) -> None:
-    """Add what makes up for rates along what flows: more than `steep` times across it."""
+    """Add the z that corrects rates along flow directions.
+
+    These are directions more than `steep` times as compliant as those across the flow.
+    """
     for soft_of, rates, z in zip(
         soft.parts(stack.spans), _parts(stack, left), _parts(stack, x), strict=True
     ):
@@ -170,36 +178,40 @@ def along(stack: Stack, soft: Compliances, steep: float, left: Floats, x: Floats
 
 
 def inverted(stack: Stack, soft: Compliances, delta: Floats) -> Inverses:
-    """``(C + delta)^-1`` of all points, delta of shape (points,)."""
+    """Return ``(C + delta)^-1`` of all points, delta of shape (points,)."""
     ends = np.cumsum(stack.spans[:, 1])[:-1]
     pairs = zip(soft.parts(stack.spans), np.split(delta, ends), strict=True)
     return Inverses.of([soft_of.inverse(own) for soft_of, own in pairs])
 
 
 def blocks(stack: Stack, stiff: Inverses) -> list[Floats]:
-    """Of each kind, shape (dim, dim, m)."""
+    """Return the blocks of each kind, shape (dim, dim, m)."""
     return [own.blocks for own in stiff.parts(stack.spans)]
 
 
 def framed(values: Floats, vectors: Floats, a: Floats) -> Floats:
-    """``V values V^T a`` of values of shape (dim, m) and directions of shape (m, dim, dim)."""
+    """Return ``V values V^T a``.
+
+    The values have the shape (dim, m) and the directions (m, dim, dim).
+    """
     along = values * np.einsum("mij,im->jm", vectors, a)
     return np.asarray(np.einsum("mij,jm->im", vectors, along))
 
 
 def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple[Floats, Floats]:
-    """Values and directions of ``sum B_i^T W_i^2 B_i`` of k planes at each of m points.
+    """Return values and directions of ``sum B_i^T W_i^2 B_i`` of k planes at each of m points.
 
-    Of its factor ``W_i B_i``: small values are as exact as the root of the largest allows.
+    They are computed from the factor ``W_i B_i``, so that small values are as exact as the root of
+    the largest allows.
 
     Args:
-        first: of planes with a norm, (1 + d, k_1 m).
+        first: scaling of planes with a norm, (1 + d, k_1 m).
         others: ``W^2`` of the others, shape (k_2 m,).
-        slope: of B, shape (k, L, m).
+        slope: slopes in B, shape (k, L, m).
         sheared: d.
 
     Returns:
-        Shape (d + L, m) and (m, d + L, d + L), a direction a column.
+        Arrays of shape (d + L, m) and (m, d + L, d + L), with one direction per column.
     """
     k, volumes, m = slope.shape
     normed, dim = first.square.size // m, sheared + volumes
@@ -212,21 +224,21 @@ def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple
     sides = np.zeros((m, k - normed, dim))
     sides[:, :, sheared:] = slope[normed:].transpose(2, 0, 1)
     sides *= np.sqrt(others).reshape(k - normed, m).T[:, :, None]
-    none = np.zeros((m, dim, dim))  # so that there are as many rows as columns
+    none = np.zeros((m, dim, dim))  # There must be as many rows as columns.
     every = np.concatenate([rows, sides, none], axis=1)
     _, values, turned = np.linalg.svd(every, full_matrices=False)
     return np.ascontiguousarray(values.T**2), np.ascontiguousarray(turned.transpose(0, 2, 1))
 
 
 def scaled(s: Floats, z: Floats) -> Scaling:
-    """The scaling between points of shape (1 + d, m), inside."""
+    """Return the scaling between interior points of shape (1 + d, m)."""
     return Scaling.between(s, z)
 
 
 def eliminated(
     scaling: Scaling, cost: Floats, rise: Floats, lead: Floats, tau: float
 ) -> Eliminated:
-    """The t of cones with such a scaling, at a place where it is `lead`."""
+    """Return the eliminated t of cones with a scaling, where t is `lead`."""
     first, square, w = scaling.w[0], scaling.square, scaling.w[1:]
     both = square * (2 * first**2 - 1)
     raised, by = 1 + both * rise, square * rise
@@ -242,10 +254,15 @@ def eliminated(
 def reduced(
     own: Eliminated, rise: Floats, height: Floats, missed: Floats, share: float, right: Floats
 ) -> Floats:
-    """The ``height_0/raised`` of t, and into `right` what is given of the rest.
+    """Return ``height_0/raised`` of t, and write the rest of the right-hand side to `right`.
 
     Args:
-        missed: rates, a share of which is to be made up for.
+        own: the eliminated t.
+        rise: h.
+        height: ``W^2 dz + ds``.
+        missed: residual of the rates.
+        share: share of it that the step removes.
+        right: output.
     """
     right[:] = height[1:] - rise * height[0] * own.across - share * missed
     return np.asarray(height[0] / own.raised)
@@ -259,14 +276,18 @@ def strained(
     tau: float,
     z: Floats,
 ) -> Floats:
-    """``(dt, dy)`` of a step of tau and z_1, shape (1 + d, m).
+    """Return ``(dt, dy)`` of a step of tau and z_1, shape (1 + d, m).
 
-    Products come out as aimed at, whatever the solution leaves: rates that are missed wait for
-    the next step, where cones, whose edges are near, would end this one.
+    Products reach their aim whatever the residual of the solution is. Errors of the rates are left
+    to the next step, because they could bring the cones to their edges and end this one.
 
     Args:
+        scaling: scaling of the cones.
+        own: the eliminated t.
         costs: c and h.
         given: ``height_0/raised``, and the height.
+        tau: step of tau.
+        z: step of z_1.
     """
     (cost, rise), (lead, height) = costs, given
     lead = lead + own.by_tau * tau - inner(own.across, z)
@@ -276,17 +297,17 @@ def strained(
 
 
 def flowed(scaling: Scaling, height: Floats, z: Floats) -> Floats:
-    """``height - W^2 z``."""
+    """Return ``height - W^2 z``."""
     return np.asarray(height - Compliance.twice(scaling).times(z))
 
 
 def heights(scaling: Scaling, wanted: Floats) -> Floats:
-    """``W q`` of the q whose products with ``W z`` are given."""
+    """Return ``W q`` of the q whose products with ``W z`` are given."""
     return scaling.times(quotient(scaling.middle, wanted))
 
 
 def corrected(scaling: Scaling, ds: Floats, dz: Floats, mu: float) -> Floats:
-    """``mu e`` less the products of the points, and of their changes, in the frame of W."""
+    """Return ``mu e`` minus the products of the points and of their changes, in the frame of W."""
     found = -product(scaling.by(ds), scaling.times(dz))
     found -= product(scaling.middle, scaling.middle)
     found[0] += mu
@@ -296,13 +317,13 @@ def corrected(scaling: Scaling, ds: Floats, dz: Floats, mu: float) -> Floats:
 def banded(
     scaling: Scaling, ds: Floats, dz: Floats, share: float, band: tuple[float, float]
 ) -> Floats:
-    """What moves eigenvalues of the products after a share of changes into a band."""
+    """Return the changes that bring eigenvalues of the products after a step into a band."""
     slack = scaling.middle + share * scaling.by(ds)
     return clipped(product(slack, scaling.middle + share * scaling.times(dz)), *band)
 
 
 def farthest(x: Floats, change: Floats) -> float:
-    """Largest share of a change that stays in all cones, x inside; inf where all of it does."""
+    """Return the largest share of a change that stays in all cones; inf if all of it does."""
     size = np.sqrt(determinant(x))
     unit, rate = x / size, change / size
     along = unit[0] * rate[0] - inner(unit[1:], rate[1:])
@@ -312,7 +333,7 @@ def farthest(x: Floats, change: Floats) -> float:
 
 
 def _parts(stack: Stack, data: Floats) -> list[Floats]:
-    """Multipliers of each kind in the array of a `Vector`, shape (dim, m)."""
+    """Return the multipliers of each kind in the array of a `Vector`, shape (dim, m)."""
     return [
         data[place : place + dim * count].reshape(dim, count)
         for dim, count, _, _, place in stack.spans.tolist()
@@ -320,12 +341,12 @@ def _parts(stack: Stack, data: Floats) -> list[Floats]:
 
 
 def _split(stack: Stack) -> list[slice]:
-    """Rows of each kind."""
+    """Return the rows of each kind."""
     return [slice(row, row + dim * count) for dim, count, row, *_ in stack.spans.tolist()]
 
 
 def _summed(rows: Floats, points: Ints, block: Floats) -> Floats:
-    """``sum R^T M R`` of each element, shape (e, c, c)."""
+    """Return ``sum R^T M R`` of each element, shape (e, c, c)."""
     elements, count, dim, width = rows.shape
     own = block[:, :, points][..., None]
     times = np.empty_like(rows)
@@ -338,7 +359,7 @@ def _summed(rows: Floats, points: Ints, block: Floats) -> Floats:
 
 
 def _triangles(sums: Floats) -> Floats:
-    """Upper triangles of matrices of shape (e, c, c), one after the other."""
+    """Return the upper triangles of matrices of shape (e, c, c), joined."""
     width = sums.shape[1]
     row, column = np.triu_indices(width)
     return np.asarray(np.take(sums.reshape(-1, width * width), row * width + column, 1).ravel())

@@ -1,15 +1,15 @@
-"""Principal directions of what planes leave of stiffness, point by point, that numba compiles."""
+"""Compiled computation of principal directions of the stiffness left by planes."""
 
 import numpy as np
 from numba import njit
 
-_SWEEPS = 30  # at most: Jacobi's converge within a few
-_ROUND = 1e-14  # cosines that are zero up to round-off
+_SWEEPS = 30  # limit: Jacobi's method converges within a few
+_ROUND = 1e-14  # cosine that is zero except for round-off
 
 
 @njit(cache=True, error_model="numpy")
 def _triangle(rows, dim):  # type: ignore[no-untyped-def]
-    """Householder's reflections: R of rows, in their first ones."""
+    """Reduce rows to R by Householder reflections, stored in the first rows."""
     count = rows.shape[0]
     for j in range(dim):
         size = 0.0
@@ -36,7 +36,7 @@ def _triangle(rows, dim):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def _turned(rows, turn, dim):  # type: ignore[no-untyped-def]
-    """Columns made orthogonal by Jacobi's rotations, which are gathered."""
+    """Make columns orthogonal by Jacobi rotations, which are accumulated in `turn`."""
     for _ in range(_SWEEPS):
         done = True
         for a in range(dim - 1):

@@ -1,6 +1,7 @@
-"""Products with sparse rows of points that numba compiles.
+"""Compiled products with sparse rows of points.
 
-Of an index with a sign numba asks whether it counts from the end: twice the time of a product.
+For signed indices numba checks whether they count from the end, which doubles the time of a
+product.
 """
 
 import numpy as np

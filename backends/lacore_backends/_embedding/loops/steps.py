@@ -1,4 +1,4 @@
-"""What numba compiles of steps of cones: see `lacore_backends._embedding.loops.plain`."""
+"""Compiled steps of cones: see `lacore_backends._embedding.loops.plain`."""
 
 from numba import njit
 
