@@ -1,4 +1,4 @@
-"""What solvers of the regularised program answer. Not a backend."""
+"""Answers of solvers of the regularised program. Not a backend."""
 
 from lacore.program.regularization import RegularisedPoint
 from lacore.reporting.status import Status
@@ -8,7 +8,7 @@ from lacore.solvers.backend import InnerSolution
 def told(
     point: RegularisedPoint, status: Status, native: str, iterations: int, seconds: float
 ) -> InnerSolution:
-    """Of a solver that ended at a point, the values of which are told whatever its status is."""
+    """Return the answer of a solver, with the values at its last point for every status."""
     return InnerSolution(
         status=status,
         native_status=native,

@@ -1,13 +1,13 @@
-"""The regularised laws (T17, T18, T65) with stresses that a barrier keeps inside yield. No backend.
+"""Regularised laws (T17, T18, T65) with a barrier that keeps stresses inside yield. Not a backend.
 
 At rates x the energy of a point is
 
     max over sigma of sigma.x - sigma.C sigma/2 + mu sum_j log t_j,
 
-t_j what stresses leave of each plane; a norm makes two, as ``log(t^2 - q^2)`` is
-``log(t - q) + log(t + q)``. With shares ``z_j = mu/t_j`` of the normals, ``C sigma + G^T z = x``:
-mu = 0 is the law itself. Above it the energy is smooth, convex, and self-concordant, where Newton's
-method is at home.
+where t_j is the distance of the stresses to each plane. A norm is two planes, since ``log(t^2 -
+q^2)`` is ``log(t - q) + log(t + q)``. With shares ``z_j = mu/t_j`` of the normals, ``C sigma + G^T
+z = x``. The law itself has mu = 0. For mu > 0 the energy is smooth, convex, and self-concordant, so
+that Newton's method converges well.
 """
 
 from dataclasses import dataclass
@@ -17,20 +17,20 @@ import numpy as np
 from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore_backends._conic_laws import ConicLaw
 
-_AWAY = 0.99  # of the way to the planes
+_AWAY = 0.99  # share of the way to the planes
 _NEAR = 1e-4  # relative step after which the next one would be round-off
-_CENTRED = 2.0  # of mu: gaps below it are aimed at mu at once
-_FROM_NEAR, _FROM_AFAR = 12, 80  # steps
-_STILL = 1e-12  # dimensionless rate that is none
-_TINY = 1e-150  # keeps quotients of zeros finite
+_CENTRED = 2.0  # gap, by mu, below which mu is the aim of the next step
+_FROM_NEAR, _FROM_AFAR = 12, 80  # limits of steps from a close and from a distant start
+_STILL = 1e-12  # dimensionless rate that counts as zero
+_TINY = 1e-150  # It keeps quotients of zeros finite.
 
 
 @dataclass(frozen=True)
 class Planes:
     """Planes ``normals.y <= bounds`` of j kinds at each of m points, in e unknowns y.
 
-    y holds ``q = ||s||``, where there is a norm, the other stresses, and what strengths have risen
-    by (T29), one of each cone.
+    y consists of ``q = ||s||`` if there is a norm, the other stresses, and the hardening of the
+    strengths (T29) of each cone.
 
     Attributes:
         normals: shape (m, j, e).
@@ -45,7 +45,7 @@ class Planes:
 
 @dataclass(frozen=True)
 class Centre:
-    """Where the barrier holds stresses.
+    """Stresses at the centre of the barrier.
 
     Attributes:
         stress: y, shape (m, e).
@@ -59,14 +59,14 @@ class Centre:
 
 @dataclass(frozen=True)
 class Smoothed:
-    """A law at a velocity.
+    """Smoothed law at a velocity.
 
     Attributes:
-        energy: ``sum w`` of it.
+        energy: ``sum w`` times the energy of the points.
         stress: shape (m, dim).
-        stiffness: ``w`` times its derivative by rates, shape (m, dim, dim).
-        multipliers: of each kind of cones, shape (m, k, c).
-        sound: whether all points have found their centre.
+        stiffness: ``w`` times the derivative of the stress by the rates, shape (m, dim, dim).
+        multipliers: multipliers of each kind of cones, shape (m, k, c).
+        sound: whether the centres of all points were found.
     """
 
     energy: float
@@ -77,11 +77,11 @@ class Smoothed:
 
 
 class BarrierLaw:
-    """One law; it remembers its last centres, from which the next ones are near."""
+    """Barrier for one law; it starts from the centres of the last call."""
 
     def __init__(self, law: ConicLaw) -> None:
         self.law = law
-        # Below the first row of a cone is that of its norm, the same at all points.
+        # The rows of a cone below the first are those of its norm, the same at all points.
         norms = [cones.matrix for cones in law.cones if cones.matrix.shape[2] > 1]
         self._normed = bool(norms)
         self._inner: Ints = np.zeros(0, dtype=np.intp)
@@ -127,7 +127,7 @@ class BarrierLaw:
         )
 
     def at(self, velocity: Floats, mu: float) -> Smoothed:
-        """Energy, stresses and their derivative at a velocity of shape (n,)."""
+        """Return energy, stresses and their derivative at a velocity of shape (n,)."""
         law, planes, first = self.law, self._planes, int(self._normed)
         rates = law.rates(velocity) + law.besides
         inner = rates[:, self._inner]
@@ -153,13 +153,16 @@ class BarrierLaw:
         )
 
     def _stiffness(self, centre: Centre, along: Floats, length: Floats) -> Floats:
-        """The derivative of stresses by rates: that of y along d, ``q/||d||`` across it."""
+        """Return the derivative of stresses by rates.
+
+        It is that of y along d and ``q/||d||`` across it.
+        """
         inner, others, first = self._inner, self._others, int(self._normed)
         tangent = _inverse(self._planes, centre)[:, : first + others.size, : first + others.size]
         found = np.empty((length.size, self.law.dim, self.law.dim))
         found[:, others[:, None], others] = tangent[:, first:, first:]
         if first:
-            # At rest both are one; next to it the quotient is that of round-off.
+            # At rest both are equal; close to it the quotient would be round-off.
             secant = tangent[:, 0, 0].copy()
             np.divide(centre.stress[:, 0], length, out=secant, where=length > _STILL)
             secant = np.clip(secant, 0.0, 1 / self._planes.compliance[:, 0])
@@ -173,7 +176,10 @@ class BarrierLaw:
         return found
 
     def _multipliers(self, shares: Floats, along: Floats) -> tuple[Floats, ...]:
-        """Those of the cones: both shares of a norm, and their difference along d."""
+        """Return the multipliers of the cones.
+
+        The shares of a norm, and their difference along d.
+        """
         found, at = [], 0
         for cones in self.law.cones:
             m, k, c = cones.offset.shape
@@ -189,7 +195,10 @@ class BarrierLaw:
 
 
 def _centre(planes: Planes, rates: Floats, mu: float, near: Centre | None) -> tuple[Centre, bool]:
-    """The centres of all points, and whether all are found; from afar where it is not near."""
+    """Return the centres of all points, and whether all were found.
+
+    Points that fail from a close start are computed from a distant one.
+    """
     if not planes.bounds.size:
         return Centre(rates / planes.compliance, planes.bounds, planes.bounds), True
     found, moving = None, np.ones(rates.shape[0], dtype=bool)
@@ -217,7 +226,7 @@ def _put(whole: Centre, where: Bools, part: Centre) -> Centre:
 def _followed(
     planes: Planes, rates: Floats, mu: float, start: Centre, steps: int
 ) -> tuple[Centre, Bools]:
-    """Centres by primal-dual steps, each point its own (Mehrotra), and which still move."""
+    """Return the centres by primal-dual steps of each point (Mehrotra), and which still move."""
     place, moving = start, np.ones(rates.shape[0], dtype=bool)
     for _ in range(steps):
         t, z = place.rooms, place.shares
@@ -247,9 +256,10 @@ def _followed(
 
 
 def _inverse(planes: Planes, place: Centre) -> Floats:
-    """Of the matrix of stresses and shares of each point, shape (m, e + j, e + j).
+    """Return the inverse matrix of stresses and shares of each point, shape (m, e + j, e + j).
 
-    Both stay in it: without the shares what is small along the planes is lost beside what is large.
+    The shares are not eliminated, because small entries along the planes would be lost in large
+    ones.
     """
     m, j, e = planes.normals.shape
     matrix = np.zeros((m, e + j, e + j))
@@ -264,7 +274,7 @@ def _inverse(planes: Planes, place: Centre) -> Floats:
 def _step(
     place: Centre, inverse: Floats, left: Floats, missed: Floats, aim: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Changes of y, t and z that come to ``t z`` more by an aim, with nothing left or missed."""
+    """Return the changes of y, t and z that remove the residuals and increase ``t z`` by an aim."""
     right = np.concatenate([left, missed - aim / place.shares], axis=1)
     found = np.matmul(inverse, right[:, :, None])[:, :, 0]
     dy, dz = found[:, : left.shape[1]], found[:, left.shape[1] :]
@@ -272,6 +282,9 @@ def _step(
 
 
 def _share(first: Floats, second: Floats, away: float) -> Floats:
-    """Largest part of a step of relative changes that leaves all positive, shape (m,)."""
+    """Return the largest share of a step of relative changes that keeps all positive.
+
+    The shape is (m,).
+    """
     lowest = np.minimum(first.min(axis=1), second.min(axis=1))
     return np.asarray(np.minimum(1.0, away / np.maximum(-lowest, _TINY)))

@@ -1,10 +1,10 @@
-"""Velocities for IPOPT where strength depends on pressure: a barrier that fades. Not a backend.
+"""IPOPT for pressure-dependent strength, by a barrier that is reduced. Not a backend.
 
-The program is that of `ipopt`, velocities alone with ``F0.U = 1``. At mu = 0 its gradient has kinks
-wherever stresses meet corners of yield, and Newton's method goes from one to the next; what is
-continued from large to small is therefore not r, but what keeps stresses off the edges
-(`lacore_backends._barrier_laws`). Stresses and shares of the last step are those of the answer: in
-balance, within yield, and apart from those of mu = 0 by a gap that is known.
+The program is that of `ipopt`: velocities alone with ``F0.U = 1``. At mu = 0 its gradient has kinks
+wherever stresses meet corners of the yield surface, and Newton's method jumps between them. Instead
+of r, the barrier that keeps stresses away from the edges is therefore reduced step by step
+(`lacore_backends._barrier_laws`). Stresses and shares of the last step are those of the answer:
+they are in equilibrium and within yield, and their gap to mu = 0 is known.
 """
 
 import time
@@ -27,21 +27,21 @@ from lacore_backends._conic_laws import ConicLaws
 from lacore_backends._ipopt import STATUS_MAP
 
 _FIRST = 1.0  # mu, dimensionless: strengths and powers are about 1
-_POWER = 0.05  # of the tolerance: the gap at the end, dimensionless power
-_LOOSE = 10.0  # of mu: tolerance of the steps but the last, which are starts of the next
+_POWER = 0.05  # gap at the end, dimensionless power, by the tolerance
+_LOOSE = 10.0  # tolerance of all steps except the last, by mu
 _LOOSEST = 1e-3
-_EASY = 2  # iterations of a step after which the next one is a long one
+_EASY = 2  # limit of iterations for a step to count as easy; the next step is then longer
 _ESCAPED = 1e8  # velocity at which a step ends: no mechanism is as fast
 
 
 @dataclass(frozen=True)
 class Fading:
-    """How far, in what steps, and how long.
+    """Parameters of the reduction of the barrier.
 
     Attributes:
         reduction: ratio of mu between two steps.
-        tolerance, max_iterations: IPOPT's, of the last step and of each.
-        time_limit: s, all steps.
+        tolerance, max_iterations: IPOPT's, for the last step and for each step.
+        time_limit: s, limit for all steps.
     """
 
     reduction: float
@@ -51,7 +51,7 @@ class Fading:
 
 
 class BarrierSolver:
-    """IPOPT at work on one program whose strength depends on pressure."""
+    """IPOPT for one program with pressure-dependent strength."""
 
     def __init__(self, program: KinematicProgram, penalty: Penalties, fading: Fading) -> None:
         self._program, self._penalty, self._fading = program, penalty, fading
@@ -79,12 +79,12 @@ class BarrierSolver:
         return told(point, status, found.native, found.iterations, seconds)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
 
 @dataclass(frozen=True)
 class _At:
-    """The energy at a velocity and mu; the Hessian, not always asked for, by blocks."""
+    """Energy at a velocity and mu, with the blocks of its Hessian."""
 
     value: float
     gradient: Floats
@@ -92,7 +92,7 @@ class _At:
 
 
 class _Energy:
-    """The smoothed energy less the power of the dead load."""
+    """Smoothed energy minus the power of the dead load."""
 
     def __init__(self, program: KinematicProgram, laws: ConicLaws, gram: Gram) -> None:
         self.program, self._gram = program, gram
@@ -105,7 +105,7 @@ class _Energy:
         return sum(law.volume for law in self._laws)
 
     def at(self, velocity: Floats, mu: float) -> _At:
-        """IPOPT asks for value, gradient and Hessian one after the other: one is held."""
+        """Return the energy; the last result is kept for value, gradient and Hessian."""
         key = velocity.tobytes()
         if self._held is None or self._held[:2] != (key, mu):
             found = tuple(law.at(velocity, mu) for law in self._laws)
@@ -114,25 +114,26 @@ class _Energy:
                 gradient = gradient + law.law.force(part.stress)
             value = sum(part.energy for part in found)
             value -= float(self.program.dead_load @ velocity)
-            if not all(part.sound for part in found):  # too far: IPOPT takes a shorter step
+            # The step is too long, so IPOPT takes a shorter one.
+            if not all(part.sound for part in found):
                 value = float("nan")
             self._held = key, mu, _At(value, gradient, found)
         return self._held[2]
 
     def hessian(self, velocity: Floats, mu: float) -> Floats:
-        """Its entries, in the order of `pattern`."""
+        """Return the entries of the Hessian in the order of `pattern`."""
         blocks = [part.stiffness for part in self.at(velocity, mu).laws]
         return np.asarray(self._gram.matrix(blocks).data)
 
     def pattern(self) -> Sparse:
-        """Of the Hessian, the same at all velocities."""
+        """Return the pattern of the Hessian, which is the same at all velocities."""
         dims = [(law.law.weights.size, law.law.dim) for law in self._laws]
         return self._gram.matrix([np.zeros((m, dim, dim)) for m, dim in dims])
 
 
 @dataclass(frozen=True)
 class _BarrierResult:
-    """Where the barrier has faded to; the multiplier is that of ``F0.U = 1``."""
+    """Result of a run; the multiplier is that of ``F0.U = 1``."""
 
     native: str
     iterations: int
@@ -142,7 +143,7 @@ class _BarrierResult:
 
 
 def _followed(energy: _Energy, fading: Fading, deadline: float) -> _BarrierResult:
-    """One run of IPOPT for each mu, each from the velocity of the last."""
+    """Run IPOPT for each mu, starting from the velocity of the last run."""
     load = energy.program.reference_load
     program = _Program(energy)
     mu, last = _FIRST, _POWER * fading.tolerance / energy.volume
@@ -161,7 +162,7 @@ def _followed(energy: _Energy, fading: Fading, deadline: float) -> _BarrierResul
 
 
 class _Program:
-    """The nonlinear program of one contact, with mu as its parameter."""
+    """The matrix is symmetric, so the columns of CasADi are these rows."""
 
     def __init__(self, energy: _Energy) -> None:
         self._energy, n = energy, energy.program.n
@@ -191,7 +192,7 @@ class _Program:
     def run(
         self, mu: float, start: _BarrierResult, tolerance: float, max_iterations: int, left: float
     ) -> _BarrierResult:
-        """The minimum at mu, from the velocity of another, within `left` seconds."""
+        """Return the minimum at mu from the velocity of another one, within `left` seconds."""
         settings: dict[str, Any] = {
             "grad_f": self._slope,
             "jac_g": self._constraint,
@@ -199,7 +200,7 @@ class _Program:
             "no_nlp_grad": True,
             "print_time": False,
             "error_on_fail": False,
-            "show_eval_warnings": False,  # of a step too far
+            "show_eval_warnings": False,  # warnings of a step that is too long
             "calc_lam_p": False,
             "calc_lam_x": False,
             "ipopt": {
@@ -212,11 +213,12 @@ class _Program:
                 "diverging_iterates_tol": _ESCAPED,
                 "jac_c_constant": "yes",
                 "nlp_scaling_method": "none",
-                "fast_step_computation": "yes",  # convex: no residual needs a second look
+                # The program is convex, so no residual needs a check.
+                "fast_step_computation": "yes",
                 "watchdog_shortened_iter_trigger": 0,
                 "max_soc": 0,
-                # Round-off of F0.U = 1 is no infeasibility: the filter would accept steps that
-                # lessen it, whatever they do to the energy.
+                # Round-off of F0.U = 1 must not count as infeasibility: the filter would accept
+                # steps that reduce it for any energy.
                 "delta": 1e-40,
                 "s_phi": 1.0001,
                 "s_theta": 50.0,
@@ -235,7 +237,7 @@ class _Program:
 
 
 class _Callback(ca.Callback):
-    """A function of CasADi that numpy evaluates."""
+    """CasADi function that NumPy evaluates."""
 
     def __init__(
         self, name: str, given: list[Any], found: list[Any], function: Callable[..., list[Any]]
@@ -245,21 +247,21 @@ class _Callback(ca.Callback):
         self.construct(name, {})
 
     def get_n_in(self) -> int:
-        """How many arguments."""
+        """Return the number of arguments."""
         return len(self._given)
 
     def get_n_out(self) -> int:
-        """How many results."""
+        """Return the number of results."""
         return len(self._found)
 
     def get_sparsity_in(self, place: int) -> Any:
-        """Of an argument."""
+        """Return the sparsity of an argument."""
         return self._given[place]
 
     def get_sparsity_out(self, place: int) -> Any:
-        """Of a result."""
+        """Return the sparsity of a result."""
         return self._found[place]
 
     def eval(self, given: Any) -> list[Any]:
-        """Results at arguments."""
+        """Return the results for arguments."""
         return self._function(*given)

@@ -1,4 +1,4 @@
-"""What the Clarabel backends share: statuses, settings, repeated solves. Not a backend."""
+"""Statuses, settings and repeated solves of the Clarabel backends. Not a backend."""
 
 import time
 from collections.abc import Mapping
@@ -28,12 +28,13 @@ STATUS_MAP: Mapping[str, Status] = {
     "CallbackTerminated": Status.FAILED,
     "Unsolved": Status.FAILED,
 }
-_KEPT = 2  # forms: a coupling loop alternates between bounds and shifts (T12)
-_DEFINITE = {"Solved", "PrimalInfeasible", "DualInfeasible"}  # nothing to gain from another try
+_KEPT = 2  # number of forms kept: a coupling loop alternates between bounds and shifts (T12)
+# statuses after which another attempt is useless
+_DEFINITE = {"Solved", "PrimalInfeasible", "DualInfeasible"}
 
 
 class Limits(Protocol):
-    """The options that all Clarabel backends have."""
+    """Options of all Clarabel backends."""
 
     @property
     def tolerance(self) -> float:
@@ -41,7 +42,7 @@ class Limits(Protocol):
 
     @property
     def max_iterations(self) -> int:
-        """Of the interior-point method."""
+        """Limit of the interior-point method."""
 
     @property
     def time_limit(self) -> float:
@@ -50,7 +51,7 @@ class Limits(Protocol):
 
 @dataclass(frozen=True)
 class ClarabelResult:
-    """What Clarabel found for one frozen contact: x and z of the form."""
+    """Result of Clarabel for one frozen contact: x and z of the form."""
 
     native: str
     iterations: int
@@ -60,13 +61,13 @@ class ClarabelResult:
 
     @property
     def status(self) -> Status:
-        """What Clarabel's own word means here."""
+        """Status that corresponds to the native one."""
         return STATUS_MAP[self.native]
 
 
 @dataclass
 class _Standing:
-    """A form, and the solver that was built for it; none after one that gave up."""
+    """Form with the solver that was built for it; None after a failure."""
 
     pattern: Pattern
     form: ConicForm
@@ -74,13 +75,13 @@ class _Standing:
 
 
 class ConicSolver:
-    """Clarabel at work on one program, exact or with penalties."""
+    """Clarabel for one program, exact or with penalties."""
 
     def __init__(
         self, program: KinematicProgram, limits: Limits, penalty: Penalties | None = None
     ) -> None:
         self._program, self._limits, self._penalty = program, limits, penalty
-        self._standing: list[_Standing] = []  # the one asked last comes last
+        self._standing: list[_Standing] = []  # The last one used comes last.
 
     def solve(self, contact: FrozenContact) -> ClarabelResult:
         """Solve; a change of friction bounds or shifts alone updates q and b in place."""
@@ -104,7 +105,7 @@ class ConicSolver:
                 form, cost, offset, left, refine=True, equilibrate=almost or other
             )
             again = careful.solve()
-            # Of two that are almost solved the closer one.
+            # Of two results that are almost solved the more accurate one is kept.
             both = {str(found.status), str(again.status)} == {"AlmostSolved"}
             if not (form.traits.pressure_dependent and both and _left(found) < _left(again)):
                 found = again
@@ -114,7 +115,7 @@ class ConicSolver:
         return ClarabelResult(native, steps, x, np.array(found.z), form)
 
     def _found(self, contact: FrozenContact) -> _Standing:
-        """The form for a contact: one of the last, or a new one in place of the oldest."""
+        """Return the form for a contact: one of the last, or a new one in place of the oldest."""
         pattern = Pattern.of(contact)
         known = [standing for standing in self._standing if pattern.same(standing.pattern)]
         if not known:
@@ -133,16 +134,17 @@ class ConicSolver:
         refine: bool = False,
         equilibrate: bool = True,
     ) -> Any:
-        """A solver for a form: fast first; where that fails, with refinement.
+        """Return a solver for a form, without refinement first and with it after a failure.
 
-        Measured on punches, platens and infeasible programs: static regularisation 1e-7 solves
-        graded meshes that 1e-8 does not; infeasible programs are recognised reliably only without
-        equilibration, which costs feasible ones a digit. On the linear programs of walls of 33 to
-        5 000 blocks 1e-8 leaves a third of the penetration and slip residuals of 1e-7, and 1e-9
-        ends "AlmostSolved". With hardening 1e-9 and no equilibration solve what 1e-7 with it does
-        not, or in a third of the iterations; softened, 1e-8 with it does. So it is where strength
-        depends on pressure, but for a single surface, to which 1e-8 does, and angles below 5
-        degrees: these need refinement from the start. docs/design-decisions.md.
+        Measured on punches, platens and infeasible programs: static regularisation of 1e-7 solves
+        graded meshes that 1e-8 does not. Infeasible programs are detected reliably only without
+        equilibration, which costs feasible ones a digit. On the linear programs of walls of 33 to 5
+        000 blocks, 1e-8 leaves a third of the penetration and slip residuals of 1e-7, and 1e-9 ends
+        "AlmostSolved". With hardening, 1e-9 without equilibration solves what 1e-7 with it does
+        not, or in a third of the iterations; if softened, 1e-8 with equilibration does. The same
+        holds for strength that depends on pressure, except that 1e-8 suffices for a single surface,
+        and that angles below 5 degrees need refinement from the start. See
+        docs/design-decisions.md.
         """
         settings = clarabel.DefaultSettings()
         settings.verbose = False
@@ -170,11 +172,11 @@ class ConicSolver:
 
 
 def _left(found: Any) -> float:
-    """Largest of what Clarabel says it left: of the gap, and of feasibility on either side."""
+    """Return the largest residual that Clarabel reports: gap, primal and dual feasibility."""
     gap = abs(found.obj_val - found.obj_val_dual) / max(1.0, abs(found.obj_val))
     return float(max(gap, found.r_prim, found.r_dual))
 
 
 def version() -> str:
-    """The solver and its version."""
+    """Return the name and version of the solver."""
     return f"Clarabel {clarabel.__version__}"

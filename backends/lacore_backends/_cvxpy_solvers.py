@@ -1,4 +1,4 @@
-"""The solvers of cvxpy that the `cvxpy` backend knows: what they call our options."""
+"""Known solvers of cvxpy and their names for the options of the `cvxpy` backend."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,10 +10,10 @@ from lacore.reporting.errors import require_count, require_positive
 
 @dataclass(frozen=True)
 class OwnDefaults:
-    """Options of a solver whose keywords are not known here: it runs with its own.
+    """Options of a solver with unknown keywords, which uses its own defaults.
 
     Attributes:
-        time_limit: s, one inner solve.
+        time_limit: s, limit for one inner solve.
     """
 
     time_limit: float = 3600.0
@@ -24,12 +24,12 @@ class OwnDefaults:
 
 @dataclass(frozen=True)
 class InteriorPointOptions(OwnDefaults):
-    """Options of interior-point and simplex solvers, exact to about their tolerance.
+    """Options of interior-point and simplex solvers, whose error is about their tolerance.
 
     Attributes:
         tolerance: relative tolerance on gap and feasibility.
-        max_iterations: of the solver.
-        time_limit: s, one inner solve.
+        max_iterations: limit of the solver.
+        time_limit: s, limit for one inner solve.
     """
 
     tolerance: float = 1e-10
@@ -52,9 +52,9 @@ class SimplexOptions(InteriorPointOptions):
 class FirstOrderOptions(InteriorPointOptions):
     """Options of first-order solvers.
 
-    They promise residuals of `tolerance` relative to the largest number in the program: load
-    factors and certificates are good to about ten times that where a program is well scaled, and
-    to less where a mesh is graded. The certificate is the judge.
+    They promise residuals of `tolerance` relative to the largest number in the program. The
+    accuracy of load factors and certificates is about ten times that for a well-scaled program, and
+    worse for graded meshes. The certificate decides.
     """
 
     tolerance: float = 1e-8
@@ -63,21 +63,22 @@ class FirstOrderOptions(InteriorPointOptions):
 
 @dataclass(frozen=True)
 class Solver:
-    """What a solver calls our options. Without a keyword for time it has no time limit."""
+    """Keywords of a solver for the options. Without a keyword for time it has no time limit."""
 
     package: str
     options: type
     tolerance: tuple[str, ...] = ()
     iterations: str = ""
     time: str = ""
-    within: str = ""  # the keyword of a dictionary that takes them all
+    within: str = ""  # name of a keyword whose value is a dictionary of all options
     always: Mapping[str, Any] = field(default_factory=dict)
     warm_start: bool = False
-    infeasibility: bool = True  # it looks for proofs of it
-    quadratic: bool = False  # costs; ECOS, told by cones, leaves 2e-6 of yield where others 1e-11
+    infeasibility: bool = True  # whether it searches for proofs of infeasibility
+    # whether costs may be quadratic; as cones, ECOS leaves 2e-6 of yield instead of 1e-11
+    quadratic: bool = False
 
     def settings(self, options: Any) -> dict[str, Any]:
-        """Keywords of `cvxpy.Problem.solve`."""
+        """Return the keywords of `cvxpy.Problem.solve`."""
         given: dict[str, Any] = {}
         if self.iterations:
             given |= dict.fromkeys(self.tolerance, options.tolerance)
@@ -95,7 +96,7 @@ SOLVERS = {
         ("tol_gap_abs", "tol_gap_rel", "tol_feas"),
         "max_iter",
         "time_limit",
-        always={"accept_unknown": True},  # "insufficient progress" keeps its point
+        always={"accept_unknown": True},  # "insufficient progress" still returns a point.
         quadratic=True,
     ),
     "ECOS": Solver("ecos", InteriorPointOptions, ("abstol", "reltol", "feastol"), "max_iters"),
@@ -105,7 +106,7 @@ SOLVERS = {
         ("primal_feasibility_tolerance", "dual_feasibility_tolerance"),
         "simplex_iteration_limit",
         "time_limit",
-        always={"small_matrix_value": 1e-12},  # smaller entries would be dropped
+        always={"small_matrix_value": 1e-12},  # Smaller entries would be dropped.
     ),
     "MOSEK": Solver(
         "mosek",
@@ -124,8 +125,8 @@ SOLVERS = {
         warm_start=True,
         quadratic=True,
     ),
-    # On infeasible and unbounded programs it fails or, with "optimal", returns the point it has run
-    # away to, which no certificate holds for.
+    # On infeasible and unbounded programs it fails, or returns a diverged point as "optimal", which
+    # fails the certificate.
     "QOCO": Solver(
         "qoco",
         InteriorPointOptions,
@@ -147,12 +148,12 @@ SOLVERS = {
 
 
 def known_solver(name: str) -> Solver:
-    """What is known here of a solver of cvxpy; of any other, that it has its own defaults."""
+    """Return the properties of a solver of cvxpy; an unknown solver has its own defaults."""
     return SOLVERS.get(name, Solver(name.lower(), OwnDefaults))
 
 
 def no_mosek_licence() -> str:
-    """What MOSEK says where it has no licence; empty where it has one."""
+    """Return the message of MOSEK if it has no licence; empty if it has one."""
     mosek = import_module("mosek")
     try:
         with mosek.Env() as environment:

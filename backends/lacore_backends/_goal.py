@@ -1,16 +1,16 @@
-"""When an iteration of a solver of ours ends. Not a backend."""
+"""Stopping criteria of the solvers in this package. Not a backend."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Goal:
-    """When the iteration ends.
+    """Stopping criteria of an iteration.
 
     Attributes:
-        tolerance: on what is left of all conditions, relative.
-        max_iterations: Newton steps.
-        deadline: by the clock of `time.perf_counter`.
+        tolerance: relative tolerance on the residuals of all conditions.
+        max_iterations: limit of Newton steps.
+        deadline: time of the clock `time.perf_counter`.
     """
 
     tolerance: float

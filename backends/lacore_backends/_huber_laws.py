@@ -1,6 +1,6 @@
-"""The laws of strength that knows no pressure (T17, T18) as symbols of CasADi. Not a backend.
+"""Laws of pressure-independent strength (T17, T18) as symbols of CasADi. Not a backend.
 
-Values, forces and stiffnesses of one point, to be mapped over all.
+They give values, forces and stiffnesses of one point, to be mapped over all points.
 """
 
 from collections.abc import Callable
@@ -12,12 +12,12 @@ import casadi as ca
 
 @dataclass(frozen=True)
 class Law:
-    """A point law.
+    """Law of a point.
 
     Attributes:
-        energy: of (local velocities, constants, parameters), each a list of numbers or of rows over
-            all points: IPOPT asks for the value alone five times as often as for the rest, and
-            rows are added up five times as fast as points.
+        energy: function of (local velocities, constants, parameters), each a list of numbers or of
+            rows over all points. IPOPT evaluates the value alone five times as often as the rest,
+            and rows are summed five times as fast as points.
         derivatives: force and stiffness of one point, as functions to be mapped.
     """
 
@@ -32,9 +32,11 @@ def _derivatives(inputs: list[Any], force: Any, stiffness: Any) -> tuple[Any, An
 
 
 def plastic_law(dim: int, share: float) -> Law:
-    """T17 at a strain point: local (cone rows, theta), constants (weight, bound, modulus).
+    """Return the law T17 at a strain point.
 
-    A Huber function and, from hardening, a spring beside it.
+    Local (cone rows, theta), constants (weight, bound, modulus).
+
+    It is a Huber function plus, with hardening, a spring.
 
     Parameters: eta, K_c, and the share kept of the rank-one term of the Hessian.
     """
@@ -68,7 +70,7 @@ def plastic_law(dim: int, share: float) -> Law:
 
 
 def contact_law(tangent_dim: int) -> Law:
-    """T18 at a contact point: local (u_n, u_t), constants (weight, dilatancy).
+    """Return the law T18 at a contact point: local (u_n, u_t), constants (weight, dilatancy).
 
     Parameters: K_n, K_t, friction bound, shift.
     """
@@ -78,7 +80,7 @@ def contact_law(tangent_dim: int) -> Law:
         opening, square = local[0] + shift, sum(v**2 for v in local[1:])
         pressed = ca.fmax(-opening, 0)
         limit = bound / tangential
-        tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
+        tiny = 1e-150  # It keeps the derivatives of the square roots finite at rest.
         rate = ca.sqrt(ca.fmax(square, limit**2 + tiny))
         elastic = ca.fmin(square, limit**2)
         rubbed = tangential * elastic / 2 + bound * (rate - limit)

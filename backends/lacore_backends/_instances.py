@@ -1,7 +1,7 @@
 """Cone programs as files for other solvers: npz and CBF. Not a backend.
 
-``minimise x.P x/2 + q.x  subject to  b - A x in cones``, as `lacore_backends._conic_form` has it,
-at the ``F0.U = POWER`` of the program, so that all formats have the same least value.
+``minimise x.P x/2 + q.x  subject to  b - A x in cones``, as in `lacore_backends._conic_form`, with
+the ``F0.U = POWER`` of the program, so that the optimal value is the same in all formats.
 """
 
 from pathlib import Path
@@ -26,7 +26,7 @@ _IN_CBF = {_ZERO: "L=", _NONNEGATIVE: "L+", _SECOND_ORDER: "Q"}
 
 
 def write_npz(program: KinematicProgram, contact: FrozenContact, path: Path) -> None:
-    """Arrays of NumPy, as docs/guide/programs-as-files.md lists them."""
+    """Write NumPy arrays, as listed in docs/guide/programs-as-files.md."""
     form = _form(program, contact)
     kinds = np.array([_KINDS[type(cone)] for cone in form.cones])
     arrays = {
@@ -44,10 +44,10 @@ def write_npz(program: KinematicProgram, contact: FrozenContact, path: Path) -> 
 
 
 def write_cbf(program: KinematicProgram, contact: FrozenContact, path: Path) -> None:
-    """The Conic Benchmark Format of Friberg (2016), version 3.
+    """Write the Conic Benchmark Format of Friberg (2016), version 3.
 
     Raises:
-        InputError: the program hardens: the format has no quadratic costs.
+        InputError: the program hardens, and the format has no quadratic costs.
     """
     form = _form(program, contact)
     if form.quadratic.nnz:
@@ -68,7 +68,7 @@ def write_cbf(program: KinematicProgram, contact: FrozenContact, path: Path) -> 
 
 
 def heading(mark: str, program: KinematicProgram) -> str:
-    """Comment lines that state what a text file holds, each after a mark."""
+    """Return comment lines that describe the contents of a text file, each after a mark."""
     lines = (
         "Limit analysis: minimise the dissipation of a collapse mechanism.",
         f"Columns: {program.n} velocities U come first.",
@@ -90,7 +90,7 @@ def _by_columns(name: str, matrix: Any) -> dict[str, Any]:
 
 
 def _entries(file: TextIO, keyword: str, places: list[Any], values: Floats) -> None:
-    """A block of coordinates, each value in as many digits as it has."""
+    """Write a block of coordinates; each value keeps all its digits."""
     columns = [*(place.tolist() for place in places), map(repr, values.tolist())]
     file.write(f"{keyword}\n{values.size}\n")
     file.writelines(f"{' '.join(map(str, row))}\n" for row in zip(*columns, strict=True))

@@ -1,9 +1,9 @@
-"""Newton's method on the laws as cones, along the central path. Not a backend.
+"""Newton's method for the laws as cones, along the central path. Not a backend.
 
-Slacks and multipliers of the cones (`lacore_backends._conic_laws`) obey ``t o z = mu e``, which is
-smooth however small the penalties, and mu goes to zero as the iteration goes on: the predictor and
-corrector of Mehrotra in the scaling of Nesterov and Todd. What is factorised is the stiffness of
-the velocities alone, positive definite.
+Slacks and multipliers of the cones (`lacore_backends._conic_laws`) satisfy ``t o z = mu e``, which
+is smooth for arbitrarily small penalties. During the iteration mu goes to zero, by Mehrotra's
+predictor and corrector in the Nesterov-Todd scaling. Only the stiffness of the velocities is
+factorised, which is positive definite.
 """
 
 import time
@@ -21,17 +21,18 @@ from lacore_backends._conic_laws import ConicLaws
 from lacore_backends._conic_points import Place, Points
 from lacore_backends._goal import Goal
 
-_AWAY = 0.99  # of the way to the boundary of the cones
-_SHORTEST = 1e-6  # step that leads nowhere
-_SHIFTS = (1e-16, 1e-14, 1e-12, 1e-10)  # of the largest curvature, until the matrix is definite
-_POWER = 1e-2  # of the tolerance: values are as exact as the gap, stresses as its root
-_NEAR = 1e-8  # to the edge of a cone: as good as on it
-_ALMOST = 1e3  # tolerances within which an iteration that ends is almost at its end
+_AWAY = 0.99  # share of the way to the boundary of the cones
+_SHORTEST = 1e-6  # shortest useful step
+# shifts by the largest curvature, tried until the matrix is definite
+_SHIFTS = (1e-16, 1e-14, 1e-12, 1e-10)
+_POWER = 1e-2  # share of the tolerance: values are as exact as the gap, stresses as its root
+_NEAR = 1e-8  # distance to the edge of a cone that counts as zero
+_ALMOST = 1e3  # residual, in tolerances, of an iteration that is almost converged
 
 
 @dataclass(frozen=True)
 class BarrierResult:
-    """Where the iteration ended; the multiplier is that of ``F0.U = 1``."""
+    """Last iterate; the multiplier is that of ``F0.U = 1``."""
 
     native: str
     iterations: int
@@ -41,7 +42,7 @@ class BarrierResult:
 
 
 class _Linearised:
-    """The conditions of a minimum, linearised and factorised, at one place."""
+    """Conditions of a minimum, linearised and factorised at one iterate."""
 
     def __init__(
         self,
@@ -50,7 +51,7 @@ class _Linearised:
         solver: SymmetricSolver,
         points: Sequence[Points],
     ) -> None:
-        """Raises `SingularError` where no shift makes the stiffness definite."""
+        """Factorise; raises `SingularError` if no shift makes the stiffness definite."""
         self._program, self._solver, self._points = program, solver, points
         matrix = gram.matrix([one.stiffness for one in points])
         plain = matrix.diagonal()
@@ -67,7 +68,7 @@ class _Linearised:
     def step(
         self, aims: Sequence[Sequence[Floats]], velocity: Floats, multiplier: float
     ) -> tuple[Floats, float, list[Place]]:
-        """Towards aims, ``F0.U = 1`` and balance: changes of velocity, multiplier and points."""
+        """Return changes of velocity, multiplier and points towards aims and equilibrium."""
         program, points = self._program, self._points
         load = program.reference_load
         rights = [one.right(aim) for one, aim in zip(points, aims, strict=True)]
@@ -82,7 +83,7 @@ class _Linearised:
 def _out_of_balance(
     program: KinematicProgram, points: Sequence[Points], multiplier: float
 ) -> Floats:
-    """``lambda F0 + Fd`` less the forces of the stresses, shape (n,)."""
+    """Return ``lambda F0 + Fd`` minus the forces of the stresses, shape (n,)."""
     force = multiplier * program.reference_load + program.dead_load
     for one in points:
         force = force - one.law.force(one.place.stress)
@@ -96,10 +97,14 @@ def follow(
     solver: SymmetricSolver,
     goal: Goal,
 ) -> BarrierResult:
-    """From stresses that know no cones to the end of the path.
+    """Follow the central path, starting from stresses without cones.
 
     Args:
-        gram: of the rows of the laws.
+        program: the program.
+        laws: its laws.
+        gram: patterns of the rows of the laws.
+        solver: factorises the stiffness.
+        goal: stopping criteria.
     """
     points = [Points.start(law) for law in laws.each]
     u, multiplier = np.zeros(program.n), 0.0
@@ -139,7 +144,7 @@ def follow(
 
 
 def _inside(places: Sequence[Place]) -> list[Place]:
-    """All slacks, and all multipliers, moved by as much as brings the outermost inside."""
+    """Return all slacks and all multipliers, moved to bring the outermost one inside."""
     slack = max(outside(part) for place in places for part in place.slacks)
     multiplier = max(outside(part) for place in places for part in place.multipliers)
     by = [1 + out if out > -_NEAR else 0.0 for out in (slack, multiplier)]
@@ -153,7 +158,7 @@ def _farthest(places: Sequence[Place], steps: Sequence[Place]) -> float:
 def _left(
     program: KinematicProgram, points: Sequence[Points], velocity: Floats, multiplier: float
 ) -> float:
-    """What is left of all conditions, relative."""
+    """Return the relative residual of all conditions."""
     dead = program.dead_load
     power = abs(multiplier) + abs(float(dead @ velocity))
     forces = abs(multiplier) * float(np.abs(program.reference_load).sum())

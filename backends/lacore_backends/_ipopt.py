@@ -1,4 +1,4 @@
-"""What the IPOPT backends share: statuses, version, matrices. Not a backend."""
+"""Statuses, version and matrices of the IPOPT backends. Not a backend."""
 
 from collections.abc import Mapping
 from importlib.metadata import version
@@ -10,7 +10,8 @@ from scipy.sparse import csc_matrix
 from lacore.numerics.arrays import Sparse
 from lacore.reporting.status import Status
 
-# Diverged or infeasible is IPOPT's guess; LOCKED and UNSAFE need evidence, which the backends seek.
+# "Diverged" and "infeasible" are guesses of IPOPT; LOCKED and UNSAFE need evidence, which the
+# backends check.
 STATUS_MAP: Mapping[str, Status] = {
     "Solve_Succeeded": Status.SOLVED,
     "Solved_To_Acceptable_Level": Status.ALMOST_SOLVED,
@@ -36,19 +37,19 @@ STATUS_MAP: Mapping[str, Status] = {
 
 
 def unavailable() -> str:
-    """Why IPOPT cannot run here; empty where it can."""
+    """Return why IPOPT cannot run; empty if it can."""
     if ca.has_nlpsol("ipopt"):
         return ""
     return "this CasADi was built without IPOPT; install it from PyPI (pip install casadi)"
 
 
 def solver_version() -> str:
-    """The solver and its version."""
+    """Return the name and version of the solver."""
     return f"IPOPT, CasADi {version('casadi')}"
 
 
 def to_casadi(matrix: Sparse) -> Any:
-    """A sparse matrix as CasADi's."""
+    """Return a sparse matrix in the type of CasADi."""
     columns = csc_matrix(matrix)
     columns.sort_indices()
     pattern = ca.Sparsity(*columns.shape, columns.indptr.tolist(), columns.indices.tolist())

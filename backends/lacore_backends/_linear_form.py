@@ -1,9 +1,9 @@
-"""The kinematic program as a linear program (T7): all cones of one row. Not a backend.
+"""Kinematic program as a linear program (T7), if all cones have one row. Not a backend.
 
-Each |v| that costs or sticks is split, ``v = p - q`` with p, q >= 0, so that the row dual of the
-split is the stress or the tangential reaction itself. A dilatant point without a bound is two
-half-spaces instead, without columns of its own. Rows are multiplied by their integration weight as
-in (T34).
+Each |v| with a cost or a friction bound is split, ``v = p - q`` with p, q >= 0, so that the row
+dual of the split is the stress or the tangential reaction itself. A dilatant point without a bound
+is two half-spaces instead, without columns of its own. Rows are multiplied by their integration
+weight as in (T34).
 
 minimise   bound.(p + q) - Fd.U
 subject to F0.U = 1              dual: load factor
@@ -29,14 +29,14 @@ class LinearForm:
     """Columns (U, p, q), p and q of all cones and then of the split contact points; rows as above.
 
     Attributes:
-        split: contact points with p and q, shape (m,); the others are two half-spaces.
-        dilatancy: of the points, shape (m,).
+        split: whether contact points have p and q, shape (m,); the others are two half-spaces.
+        dilatancy: dilatancy of the points, shape (m,).
     """
 
     def __init__(self, program: KinematicProgram, contact: FrozenContact) -> None:
         self._program = program
         self.dilatancy = contact.dilatancy.copy()
-        # Caps that come and go leave the rows of a point without dilatancy as they are.
+        # Caps that change do not change the rows of a point without dilatancy.
         self.split = (contact.dilatancy == 0) | (contact.bound > 0)
         self._cones = sum(group.weights.size for group in program.groups)
         self._points = int(self.split.sum())
@@ -44,7 +44,7 @@ class LinearForm:
         self.rows = 1 + 2 * self._cones + 2 * program.contact.count
 
     def matrix(self) -> Any:
-        """The rows, by columns."""
+        """Return the rows, stored by columns."""
         program, contact, split = self._program, self._program.contact, self.split
         groups = [group for group in program.groups if group.weights.size]
         blocks: list[Any] = [csr_array(program.reference_load[None, :])]
@@ -72,13 +72,13 @@ class LinearForm:
         return matrix
 
     def cost(self, contact: FrozenContact) -> Floats:
-        """Dead load, stress bounds, friction bounds; none on what sticks."""
+        """Return the dead load, stress bounds, and friction bounds; zero for points that stick."""
         bounds = [group.bound for group in self._program.groups]
         friction = np.where(np.isinf(contact.bound), 0.0, contact.bound)[self.split]
         return np.concatenate([-self._program.dead_load, *bounds, friction, *bounds, friction])
 
     def column_bounds(self, contact: FrozenContact) -> tuple[Floats, Floats]:
-        """U is free; p and q are not negative, and zero where a point sticks."""
+        """Return the bounds: U is free; p and q are not negative, and zero where a point sticks."""
         free = np.full(self._program.n, np.inf)
         slip = np.where(np.isinf(contact.bound), 0.0, np.inf)[self.split]
         split = np.concatenate([np.full(self._cones, np.inf), slip])
@@ -86,7 +86,7 @@ class LinearForm:
         return lower, np.concatenate([free, split, split])
 
     def row_bounds(self, contact: FrozenContact) -> tuple[Floats, Floats]:
-        """Equalities, then openings."""
+        """Return the bounds of equalities, then of openings."""
         shift = -self._program.contact.weights * contact.shift
         opening = np.concatenate([shift[self.split], shift[~self.split], shift[~self.split]])
         equal = np.zeros(self.rows - opening.size)
@@ -95,7 +95,7 @@ class LinearForm:
         return np.concatenate([equal, opening]), np.concatenate([equal, upper])
 
     def point(self, x: Floats, y: Floats) -> ProgramState:
-        """Velocity and duals in the signs of `ProgramState`."""
+        """Return velocity and duals with the signs of `ProgramState`."""
         program, split = self._program, self.split
         sizes = [group.weights.size for group in program.groups]
         ends = np.cumsum([1, *sizes, *sizes, self._points, self._points, split.size - self._points])

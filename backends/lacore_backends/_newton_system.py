@@ -1,11 +1,11 @@
-"""The linearised system of `newton`: curvature of the regularised energy, and steps with it.
+"""Linearised system of `newton`: curvature of the regularised energy, and Newton steps.
 
-The Huber law ``s = bound v / max(||v||, bound/stiffness)`` is linearised in the form
-``max(||v||, bound/stiffness) s = bound v`` with the stress s as an unknown of its own (Chan, Golub
-& Mulet 1999; Andersen et al. 2000). Eliminating it point by point leaves
-``B^T W (bound I - sym(s v^T/||v||)) B / max(...)``: as sparse as the exact Hessian, and positive
-semidefinite as long as ``||s|| <= bound``. A law that hardens is a Huber law and a linear spring
-beside it (T17), whose stress is no unknown.
+The Huber law ``s = bound v / max(||v||, bound/stiffness)`` is linearised in the form ``max(||v||,
+bound/stiffness) s = bound v`` with the stress s as a separate unknown (Chan, Golub & Mulet 1999;
+Andersen et al. 2000). Eliminating it point by point gives ``B^T W (bound I - sym(s v^T/||v||)) B /
+max(...)``, which is as sparse as the exact Hessian, and positive semidefinite as long as ``||s|| <=
+bound``. A law with hardening is a Huber law plus a linear spring (T17), whose stress is not an
+unknown.
 """
 
 from dataclasses import dataclass, field
@@ -18,19 +18,19 @@ from lacore.numerics.linear_algebra import Gram, SingularError, SymmetricSolver
 from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
 from lacore.program.regularization import Beside, Penalties, RegularisedPoint, beside, evaluate
 
-_ROUND_OFF = 1e-16  # of the largest curvature: its precision
-_FLOOR = 1e-13  # of the largest curvature: the first shift above it
+_ROUND_OFF = 1e-16  # round-off of the curvature, by the largest
+_FLOOR = 1e-13  # first shift above it, by the largest curvature
 _STIFFEN = 100.0
-_TINY = 1e-150  # keeps quotients of zeros finite
-_STICK = 1e20  # a friction bound that nothing reaches
+_TINY = 1e-150  # It keeps quotients of zeros finite.
+_STICK = 1e20  # a friction bound that is never reached
 
 
 @dataclass
 class Huber:
     """One kind of Huber terms ``sum_g weight_g huber(||v_g||)``, ``v = rows U`` by point.
 
-    Beside each of them a spring, ``weight_g spring_g ||v_g||^2/2``. `stress` is the dual variable
-    of the Huber term alone, ``||stress|| <= bound``, shape (m, dim).
+    Each term includes a spring, ``weight_g spring_g ||v_g||^2/2``. `stress` is the dual variable of
+    the Huber term alone, ``||stress|| <= bound``, shape (m, dim).
     """
 
     rows: Sparse
@@ -40,7 +40,7 @@ class Huber:
     stress: Floats
 
     def curvature(self, velocity: Floats) -> Floats:
-        """The primal-dual blocks ``W H`` of ``B^T W H B``, shape (m, dim, dim)."""
+        """Return the primal-dual blocks ``W H`` of ``B^T W H B``, shape (m, dim, dim)."""
         v, length, top = self._lengths(velocity)
         bound, spring = self.law.bound, self.law.spring
         direction = np.where(
@@ -53,7 +53,7 @@ class Huber:
         return np.asarray(blocks + (self.weights * spring)[:, None, None] * np.eye(self.dim))
 
     def step(self, velocity: Floats, change: Floats, share: float) -> None:
-        """Move the stress by a share of its own Newton step, back into its bound."""
+        """Move the stress by a share of its Newton step, and back into its bound."""
         v, length, top = self._lengths(velocity)
         bound = self.law.bound
         dv = np.asarray(self.rows @ change).reshape(-1, self.dim)
@@ -75,11 +75,11 @@ class Huber:
 
 @dataclass(frozen=True)
 class Shape:
-    """Everything that neither bounds nor penalties change.
+    """Parts of the system that depend neither on bounds nor on penalties.
 
     Attributes:
-        plain: contact points without dilatancy, or with a bound on friction beside it, shape (m,).
-        rows, dims: of the Huber terms: a group each, then these contact points.
+        plain: whether contact points have no dilatancy, or also a bound on friction, shape (m,).
+        rows, dims: rows of the Huber terms: one entry per group, then these contact points.
         gram: curvature of the Huber terms, of theta in each group, and of the contact points.
     """
 
@@ -105,11 +105,11 @@ def shape_of(program: KinematicProgram, plain: Bools) -> Shape:
 
 @dataclass
 class System:
-    """The regularised energy of one frozen contact, and Newton steps towards its minimum.
+    """Regularised energy of one frozen contact, and Newton steps towards its minimum.
 
-    `shift` times the largest curvature is added to all of it where steps with the plain matrix
-    turn out short: where whole regions flow uniformly, or a body lifts, there are motions without
-    curvature. Elsewhere it would slow the end of the iteration to a crawl.
+    `shift` times the largest curvature is added to all of it where steps with the plain matrix are
+    too short: where whole regions flow uniformly, or a body lifts, there are motions without
+    curvature. Elsewhere the shift would slow down the end of the iteration.
     """
 
     program: KinematicProgram
@@ -137,15 +137,15 @@ class System:
         self.stiffest = float(self._closed.diagonal().max())
 
     def at_rest(self) -> Floats:
-        """The viscous velocity: nothing yields, every contact is closed."""
+        """Return the viscous velocity: nothing yields, and every contact is closed."""
         return self._minimum(self._closed, np.zeros(self.program.n), -self.program.dead_load)[1]
 
     def at(self, velocity: Floats) -> RegularisedPoint:
-        """Value and gradient."""
+        """Return value and gradient."""
         return evaluate(self.program, self.contact, self.penalty, velocity)
 
     def stiffen(self) -> bool:
-        """Raise the shift; whether there was room."""
+        """Raise the shift; return whether it is still below its limit."""
         self.shift = max(self.shift * _STIFFEN, _FLOOR)
         return self.shift < 1
 
@@ -154,7 +154,7 @@ class System:
         self.shift = self.shift / 10 if self.shift > _FLOOR else _ROUND_OFF
 
     def direction(self, laws: list[Huber], u: Floats, gradient: Floats) -> tuple[float, Floats]:
-        """Multiplier of ``F0.U = 1`` and Newton step to the linearised minimum."""
+        """Return the multiplier of ``F0.U = 1`` and the Newton step to the linearised minimum."""
         matrix = self.shape.gram.matrix(
             [
                 *[law.curvature(u) for law in laws],
@@ -175,14 +175,14 @@ class System:
                 if not self.stiffen():
                     raise
         load = self.program.reference_load
-        # From P + 2 C on: what is solved for is small, and so is its round-off.
+        # Iterate from P + 2 C on, so that the unknown and its round-off are small.
         guess = float(gradient @ u)
         by_load = self.solver.solve(load)
         by_rest = self.solver.solve(guess * load - gradient)
         more = float((1 - load @ u - load @ by_rest) / (load @ by_load))
         change = by_rest + more * by_load
-        # Along the mechanism itself there is next to no curvature: round-off of both terms, which
-        # must not undo F0.U = 1.
+        # Along the mechanism there is almost no curvature, and the round-off of both terms must not
+        # violate F0.U = 1.
         change += (1 - load @ (u + change)) / float(load @ load) * load
         return guess + more, change
 
@@ -190,7 +190,7 @@ class System:
 def laws_of(
     program: KinematicProgram, contact: FrozenContact, penalty: Penalties, shape: Shape
 ) -> list[Huber]:
-    """Huber terms of all groups and of the plain contact points, unstressed."""
+    """Return the Huber terms of all groups and of the plain contact points, unstressed."""
     eta, tangential = penalty.eta, penalty.tangential
     terms = [(g.weights, beside(eta, g.bound, g.rise)) for g in program.groups]
     held = np.minimum(contact.bound[shape.plain], _STICK)
@@ -205,7 +205,7 @@ def laws_of(
 def _contact_curvature(
     program: KinematicProgram, contact: FrozenContact, penalty: Penalties, u: Floats
 ) -> Floats:
-    """Blocks of the normal penalty's second derivative, and of the dilatant law's (T18)."""
+    """Return the second derivatives of the normal penalty and the dilatant law (T18)."""
     rows = program.contact
     dim = rows.tangent_dim
     slip, opening = rows.slip(u), rows.opening(u) + contact.shift

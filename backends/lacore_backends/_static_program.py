@@ -1,13 +1,13 @@
-"""The static program (T7) as a nonlinear program for IPOPT. Not a backend.
+"""Static program (T7) as a nonlinear program for IPOPT. Not a backend.
 
 Maximise ``alpha - sum w shift t_n`` over the load factor, stresses, mean stresses and reactions,
-subject to equilibrium, ``||s|| <= bound``, ``t_n >= 0`` and ``t_t = t_1 + t_2`` with
-``||t_1|| <= g``, ``||t_2|| <= d t_n``. Equilibrium is linear, the rest convex; the velocity is the
-multiplier of equilibrium.
+subject to equilibrium, ``||s|| <= bound``, ``t_n >= 0`` and ``t_t = t_1 + t_2`` with ``||t_1|| <=
+g``, ``||t_2|| <= d t_n``. Equilibrium is linear, the rest convex; the velocity is the multiplier of
+equilibrium.
 
-Stresses that no velocity feels (pressure modes of crossed meshes, shear under stick) make Newton's
-matrix singular, which MUMPS does not always see. The Hessian gives mean stresses and frictions a
-small curvature that the gradients know nothing of: other steps, the same solution.
+Stresses without effect on any velocity (pressure modes of crossed meshes, shear under stick) make
+Newton's matrix singular, which MUMPS does not always detect. The Hessian gives mean stresses and
+frictions a small curvature that is not in the gradients: the steps change, the solution does not.
 """
 
 from dataclasses import dataclass
@@ -24,16 +24,16 @@ from lacore.program.state import ProgramState
 from lacore.program.surfaces import Surfaces
 from lacore_backends._ipopt import to_casadi
 
-LARGEST = 1e6  # dimensionless load factor that no structure carries
+LARGEST = 1e6  # limit of the dimensionless load factor, which no structure reaches
 _DAMPING = 1e-6  # curvature per weight: with 1e-5 graded meshes need half as many steps again
-# At the apex of cones a barrier that only falls once it is solved for stalls, and a filter refuses
-# the steps that lead away from there.
+# At the apex of cones a monotone barrier stalls, and a filter rejects the steps that lead away from
+# there.
 _FREE = {"mu_strategy": "adaptive", "adaptive_mu_globalization": "never-monotone-mode"}
 
 
 @dataclass(frozen=True)
 class StaticResult:
-    """What one run of IPOPT came to: unknowns, and multipliers of all rows."""
+    """Result of one run of IPOPT: unknowns, and multipliers of all rows."""
 
     native: str
     iterations: int
@@ -43,7 +43,7 @@ class StaticResult:
 
 @dataclass(frozen=True)
 class _Law:
-    """A convex function of the unknowns of one point: value and gradient, multiplied Hessian."""
+    """Convex function of the unknowns of one point: value and gradient, multiplied Hessian."""
 
     slope: Any
     curvature: Any
@@ -51,7 +51,7 @@ class _Law:
 
 @dataclass(frozen=True)
 class _Cones:
-    """Convex inequalities ``law(x[columns]) <= upper``, `dim` unknowns each, point after point."""
+    """Convex inequalities ``law(x[columns]) <= upper`` with `dim` unknowns per point."""
 
     law: _Law
     columns: Ints
@@ -63,7 +63,7 @@ class _Cones:
         return self.columns.size // self.dim
 
     def rows(self, x: Any, multipliers: Any) -> tuple[Any, Any, Any]:
-        """Values, Jacobian, and Hessian of ``multipliers . law``."""
+        """Return values, Jacobian, and Hessian of ``multipliers . law``."""
         own = np.arange(self.columns.size)
         entries = (np.ones(own.size), (own, self.columns))
         pick = to_casadi(csr_matrix(entries, (own.size, x.shape[0])))
@@ -81,10 +81,10 @@ class _Cones:
 
 
 class StaticProgram:
-    """The static program for given dilatancies; bounds and shifts come with each run.
+    """Static program for given dilatancies; bounds and shifts are given for each run.
 
-    Unknowns x: load factor, share of the dead load; by group stresses over their bound and mean
-    stresses; t_n, t_1, and t_2 of the dilatant points.
+    Unknowns x: load factor, share of the dead load; for each group stresses divided by their bound
+    and mean stresses; t_n, t_1, and t_2 of the dilatant points.
     """
 
     def __init__(self, program: KinematicProgram, dilatancy: Floats) -> None:
@@ -143,7 +143,7 @@ class StaticProgram:
         slip = _forces(points.tangential, -weights)
         forces += [_forces(points.normal, -points.weights), slip, slip[:, turning]]
         damped += [np.zeros(points.count), weights, weights[turning]]
-        # What surfaces leave of their strength is an unknown, on which no force acts.
+        # The margin of strength of surfaces is an unknown on which no force acts.
         pressure_dependent = [
             group.surfaces for group in program.groups if group.surfaces is not None
         ]
@@ -160,7 +160,7 @@ class StaticProgram:
         ]
 
     def _planes(self) -> list[_Cones]:
-        """``||s||`` below what each surface leaves of its strength."""
+        """Return the cones that limit ``||s||`` to the margin of each surface."""
         pressure_dependent = [
             (group, columns)
             for group, columns in zip(self._program.groups, self._stresses, strict=True)
@@ -176,7 +176,7 @@ class StaticProgram:
         return found
 
     def _functions(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The problem and its derivatives, as `casadi.nlpsol` wants them."""
+        """Return the problem and its derivatives for `casadi.nlpsol`."""
         x, cost = (ca.MX.sym(name, self._linear.shape[1]) for name in ("x", "cost"))
         linear = to_casadi(self._linear)
         cones = [part for part in (*self._balls, *self._discs, *self._fans) if part.count]
@@ -189,7 +189,7 @@ class StaticProgram:
             values.append(value)
             slopes.append(slope)
             curvature, first = curvature + more, first + part.count
-        # Dense: an unknown that no force can act on leaves a row without an entry.
+        # They are dense because an unknown without any force leaves an empty row.
         power, rows = ca.dot(cost, x), ca.densify(ca.vertcat(*values))
         return {"x": x, "p": cost, "f": power, "g": rows}, {
             "grad_f": ca.Function("grad_f", [x, cost], [power, cost]),
@@ -207,10 +207,10 @@ class StaticProgram:
         time_limit: float,
         share: bool = False,
     ) -> StaticResult:
-        """Solve from the least stresses that balance the dead load.
+        """Solve from the smallest stresses that balance the dead load.
 
         Args:
-            contact: with the dilatancies of this program.
+            contact: contact with the dilatancies of this program.
             tolerance, max_iterations, time_limit: IPOPT's.
             share: maximise the share of the dead load that can be carried, up to 1, instead.
         """
@@ -224,22 +224,23 @@ class StaticProgram:
                 "print_level": 0,
                 "sb": "yes",
                 "tol": tolerance,
-                # Close to the central path, at mu = tolerance/10: reactions that no law determines
-                # are then the same ones at each solve, which the reaction loop needs.
+                # It ends close to the central path, at mu = tolerance/10: reactions that no law
+                # determines are then the same in each solve, as the reaction loop requires.
                 "barrier_tol_factor": 1.0,
                 "compl_inf_tol": tolerance / 5,
                 "max_iter": max_iterations,
                 "max_wall_time": time_limit,
                 "acceptable_iter": 0,
-                "bound_relax_factor": 0.0,  # the default moves every bound by 1e-8
+                "bound_relax_factor": 0.0,  # The default moves every bound by 1e-8.
                 "nlp_scaling_method": "none",
-                # MUMPS scales and permutes the rows that have no curvature into fill: up to 11
-                # times slower on medium meshes, and no more accurate.
+                # MUMPS scales and permutes the rows without curvature into fill, which takes up to
+                # 11 times longer on medium meshes and is no more accurate.
                 "mumps_permuting_scaling": 0,
                 "mumps_scaling": 0,
                 "jac_c_constant": "yes",
                 "grad_f_constant": "yes",
-                # From stresses that balance the dead load; where none do, this is seen soon.
+                # Start from stresses that balance the dead load; if there are none, this is
+                # detected early.
                 "least_square_init_primal": "yes",
                 "expect_infeasible_problem": "yes",
             },
@@ -274,7 +275,8 @@ class StaticProgram:
         for part in self._balls:
             upper[first : first + part.count] = 1.0
             first += part.count
-        for part in self._discs:  # without friction the unknowns are fixed, and the rows idle
+        # Without friction the unknowns are fixed, and the rows are inactive.
+        for part in self._discs:
             upper[first : first + part.count] = np.where(contact.bound > 0, contact.bound**2, 1.0)
             first += part.count
         upper[first:] = 0.0
@@ -295,11 +297,11 @@ class StaticProgram:
         )
 
     def velocity(self, found: StaticResult) -> Floats:
-        """Multipliers of equilibrium, F0.U = 1 at a solution."""
+        """Return the multipliers of equilibrium, with F0.U = 1 at a solution."""
         return -found.multipliers[: self._program.n]
 
     def state(self, found: StaticResult) -> ProgramState:
-        """Velocity and stresses in the signs of `ProgramState`."""
+        """Return velocity and stresses with the signs of `ProgramState`."""
         program, x = self._program, found.x
         tangential = x[self._friction].reshape(-1, program.contact.tangent_dim)
         dilated = x[self._dilated].reshape(-1, program.contact.tangent_dim)
@@ -321,12 +323,12 @@ class StaticProgram:
 
 
 def _forces(rows: Sparse, weights: Floats) -> Sparse:
-    """Nodal forces of unit stresses, one a column."""
+    """Return the nodal forces of unit stresses, one per column."""
     return csr_matrix(rows.T @ diags_array(weights))
 
 
 def _combined(lifted: Ints, d: Floats, dilated: Ints, sign: float, size: int) -> Sparse:
-    """Rows ``d x[lifted] + sign x[dilated]``."""
+    """Return the rows ``d x[lifted] + sign x[dilated]``."""
     own = np.arange(d.size)
     entries = np.concatenate([d, np.full(d.size, sign)])
     where = (np.concatenate([own, own]), np.concatenate([lifted, dilated]))
@@ -334,7 +336,7 @@ def _combined(lifted: Ints, d: Floats, dilated: Ints, sign: float, size: int) ->
 
 
 def _remaining(surfaces: Surfaces, left: Ints, means: Ints, size: int) -> Sparse:
-    """Rows ``left + slope . p``, equal to the strengths, of each surface of each point."""
+    """Return the rows ``left + slope . p`` of each surface, which equal the strengths."""
     m, k, volumes = surfaces.slope.shape
     own = np.arange(m * k)
     slopes = surfaces.slope.reshape(m * k, volumes)
@@ -359,12 +361,12 @@ def _law(value: Any, local: Any, constant: Any) -> _Law:
 
 
 def _square(dim: int) -> _Law:
-    """``||v||^2``."""
+    """Return the law ``||v||^2``."""
     v = ca.SX.sym("v", dim)
     return _law(ca.dot(v, v), v, ca.SX.sym("c"))
 
 
 def _fan(dim: int) -> _Law:
-    """``||t||^2/(d t_n) - d t_n`` of (t_n, t): convex where t_n > 0, which the bound keeps."""
+    """Return ``||t||^2/(d t_n) - d t_n`` of (t_n, t), convex for t_n > 0, which is its bound."""
     v, d = ca.SX.sym("v", dim), ca.SX.sym("d")
     return _law(ca.dot(v[1:], v[1:]) / (d * v[0]) - d * v[0], v, d)

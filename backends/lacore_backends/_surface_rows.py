@@ -1,4 +1,4 @@
-"""What strength, hardening and volumes that depend on each other make of the rows of a form."""
+"""Rows of a form for strength, hardening and volumes that depend on each other."""
 
 from dataclasses import dataclass
 
@@ -8,20 +8,20 @@ from scipy.sparse import csr_matrix, diags_array, identity
 from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.program.kinematic import DissipationGroup
 
-_SLIGHT = 1e-3  # hardening per bound, at rates of order 1
-_SMALL = 0.1  # weight times strain rate per velocity, in natural units: of a few hundred elements
+_SLIGHT = 1e-3  # small hardening, by the bound, at rates of order 1
+_SMALL = 0.1  # weight times strain rate by velocity, in natural units, of a few hundred elements
 
 
 @dataclass(frozen=True)
 class Leads:
-    """What bounds the norms of a law: sums of unknowns of its own, whose costs are strengths.
+    """Bounds of the norms of a law: sums of separate unknowns, whose costs are strengths.
 
     Attributes:
-        shares: of the unknowns in each bound, shape (m, own).
-        slopes: and in each volumetric row (T39), shape (m L, own); None: the unknowns are the
+        shares: shares of the unknowns in each bound, shape (m, own).
+        slopes: shares in each volumetric row (T39), shape (m L, own); None if the unknowns are the
             bounds, and in no other row.
-        single: whether each is all of a bound. It has the sign of a length then, which said twice
-            takes a fifth more iterations.
+        single: whether each unknown is a whole bound. Its sign is then that of a length, and a
+            second constraint on it would take a fifth more iterations.
     """
 
     shares: Sparse
@@ -30,12 +30,12 @@ class Leads:
 
     @classmethod
     def plain(cls, count: int) -> "Leads":
-        """One unknown for each norm."""
+        """Return one unknown for each norm."""
         return cls(csr_matrix(identity(count)), None, single=True)
 
     @classmethod
     def of(cls, group: DissipationGroup) -> "Leads":
-        """Those of a group: multipliers of surfaces, times weights."""
+        """Return the unknowns of a group: multipliers of surfaces, times weights."""
         surfaces, m = group.surfaces, group.weights.size
         if surfaces is None:
             return cls.plain(m)
@@ -53,13 +53,13 @@ class Leads:
 
 @dataclass(frozen=True)
 class Volumes:
-    """What a form says of the volumes of a group: ``weights rows U``.
+    """Volumetric rows of a group in a form: ``weights rows U``.
 
     Attributes:
         rows: shape (k, n).
-        weights: of them, shape (k,).
-        gain: share of them that is that of `volumetric_gain`, shape (k,).
-        means: from multipliers of them to mean stresses of the group, shape (m L, k).
+        weights: weights of the rows, shape (k,).
+        gain: factor of the rows, see `volumetric_gain`, shape (k,).
+        means: matrix from their multipliers to mean stresses of the group, shape (m L, k).
     """
 
     rows: Sparse
@@ -69,15 +69,15 @@ class Volumes:
 
     @classmethod
     def of(cls, group: DissipationGroup, unit: Floats, soft: bool) -> "Volumes":
-        """Those of a group whose points are in units.
+        """Return the volumes of a group whose points have these units.
 
-        The rows themselves where they are softened: an energy of each point.
+        Softened rows are not combined, because each point has an energy.
         """
         gain = volumetric_gain(group)
         weights = np.repeat(group.weights / unit, group.volumes)
         combined, rows = group.conditions, group.conditioned
         if combined is None or rows is None or soft:
-            # With surfaces a row without an entry says that their multipliers sum to zero.
+            # With surfaces, an empty row states that their multipliers sum to zero.
             own = np.flatnonzero(filled(group.volumetric) | (group.surfaces is not None))
             factors = gain / np.repeat(unit, group.volumes)
             entries = (factors[own], (own, np.arange(own.size)))
@@ -91,15 +91,15 @@ class Volumes:
 
 
 def filled(rows: Sparse) -> Bools:
-    """Which rows have an entry; the others would say ``0 = 0``."""
+    """Return which rows have an entry; the others would state ``0 = 0``."""
     return np.asarray(abs(rows).sum(axis=1)).ravel() > 0
 
 
 def volumetric_gain(group: DissipationGroup) -> Floats:
-    """What volumetric rows are multiplied by, so that slopes in them are of order one, (m L,).
+    """Return the factors of volumetric rows that make their slopes of order one, (m L,).
 
-    Where friction is slight mean stresses are as large as its apex is far away, and what a solver
-    leaves of a row counts as often.
+    With small friction, mean stresses are as large as the apex is far away, and they multiply the
+    residual that a solver leaves in a row.
     """
     if group.surfaces is None:
         return np.ones(group.volumetric.shape[0])
@@ -108,24 +108,25 @@ def volumetric_gain(group: DissipationGroup) -> Floats:
 
 
 def stress_besides(group: DissipationGroup, velocity: Floats) -> Floats:
-    """Stresses of hardening that are not among the duals, shape (m, dim) or none, Pa."""
+    """Return the stresses of hardening that are not duals, shape (m, dim) or none, Pa."""
     if group.surfaces is None or group.modulus is None:
         return np.zeros((1, group.dim))
     return group.modulus[:, None] * group.cone_vectors(velocity)
 
 
 def point_units(group: DissipationGroup) -> Floats:
-    """What the rows of each point are divided by, and its stresses multiplied, shape (m,).
+    """Return the divisors of the rows of each point, which multiply its stresses, shape (m,).
 
-    With surfaces roots of the sizes of small weighted rows, else 1. What a solver adds to its
-    diagonal, and leaves of a row, is the same for all of them, and beside a row of 1e-4 (thousands
-    of elements, those next to an axis of revolution the least) it is no little: 59 iterations in
-    place of 28, and a load that is off by 3e-6. In units of their own sizes round-off of stresses
-    ends the solve early.
+    With surfaces they are roots of the sizes of small weighted rows, else 1. The regularisation and
+    the residuals of a solver are the same for all rows, and not negligible for a row of 1e-4
+    (thousands of elements, the smallest ones next to an axis of symmetry): without units one solve
+    took 59 iterations instead of 28, and the load had an error of 3e-6. If divided by their full
+    sizes, round-off of stresses ends the solve early.
 
-    Roots of all sizes of points that harden: 24 programs take 435 iterations in place of 520,
-    to a tolerance of 1e-4 234 in place of 326, and leave 4e-10 at most in place of 2e-8. Of those
-    that hardly do, by 1e-6 so that one velocity is the answer, none: a bar was pulled unevenly.
+    For points with hardening, roots of all sizes are used: 24 programs take 435 iterations instead
+    of 520, to a tolerance of 1e-4 234 instead of 326, and residuals are at most 4e-10 instead of
+    2e-8. Points with hardening of about 1e-6, which only makes the velocity unique, have none: a
+    bar was stretched unevenly.
     """
     largest = np.zeros(group.weights.size)
     if group.surfaces is None and group.modulus is None:

@@ -1,8 +1,8 @@
-"""Clarabel on the regularised program (T17-T20), as cones and a quadratic cost.
+"""Clarabel for the regularised program (T17-T20), as cones and a quadratic cost.
 
-The same minimum as that of `ipopt`, `newton` and `slsqp`, found by the solver of the exact
-program: what lies between the two is the regularisation, what lies between it and the others is
-their solving.
+It finds the same minimum as `ipopt`, `newton` and `slsqp` with the solver of the exact program. The
+difference to the exact result is the regularisation error; the difference to the others is their
+solver error.
 """
 
 import time
@@ -24,7 +24,7 @@ from lacore.reporting.status import Status
 from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._clarabel import STATUS_MAP, ClarabelResult, ConicSolver, version
 
-_PROVEN = 1e-8  # of the power: gap at which the duals are those of the velocity
+_PROVEN = 1e-8  # gap, by the power, at which the duals are the stresses of the velocity
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class ClarabelRegularisedOptions:
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         tolerance: relative tolerance on gap and feasibility.
-        max_iterations: of the interior-point method.
-        time_limit: s, one inner solve.
+        max_iterations: limit of the interior-point method.
+        time_limit: s, limit for one inner solve.
     """
 
     r: float = 1e-3
@@ -57,7 +57,7 @@ class ClarabelRegularisedOptions:
 
 
 class ClarabelRegularised:
-    """Regularisation error without solver error."""
+    """Backend with a regularisation error but without solver error."""
 
     name: ClassVar[str] = "clarabel-regularised"
     title: ClassVar[str] = "Clarabel, regularised program as cones and quadratic cost"
@@ -69,22 +69,25 @@ class ClarabelRegularised:
     Options: ClassVar[type] = ClarabelRegularisedOptions
 
     def unavailable(self) -> str:
-        """Always there once imported."""
+        """Return an empty reason: the solver is installed."""
         return ""
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return version()
 
     def prepare(
         self, program: KinematicProgram, options: ClarabelRegularisedOptions
     ) -> "RegularisedSolver":
-        """The penalties; the conic form depends on which contact points rub, stick or dilate."""
+        """Prepare the penalties.
+
+        The conic form depends on which contact points rub, stick or dilate.
+        """
         return RegularisedSolver(program, options)
 
 
 class RegularisedSolver:
-    """Clarabel at work on one regularised program."""
+    """Clarabel for one regularised program."""
 
     def __init__(self, program: KinematicProgram, options: ClarabelRegularisedOptions) -> None:
         self._program = program
@@ -111,15 +114,15 @@ class RegularisedSolver:
         )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
     def _point(self, contact: FrozenContact, answer: ClarabelResult) -> RegularisedPoint:
-        """The energies at the velocity, with the stresses and reactions of the duals.
+        """Return the energies at the velocity, with the stresses and reactions of the duals.
 
-        Stresses by the law magnify what is wrong with the velocity by the penalties: at r = 1e-5
-        nodal forces miss their balance by 1e-3 where the duals leave 1e-9. The gap, that of the
-        objective in equilibrium, proves that the duals are the stresses of the law; where it
-        does not, those of the law are returned, and are judged.
+        Stresses computed by the law amplify errors of the velocity by the penalties: at r = 1e-5
+        their nodal forces are out of balance by 1e-3, those of the duals by 1e-9. The gap, which is
+        that of the objective in equilibrium, proves that the duals are the stresses of the law. If
+        it does not, the stresses of the law are returned, and the certificate assesses them.
         """
         dual = answer.form.point(answer.x, answer.z, contact)
         point = evaluate(self._program, contact, self._penalty, dual.velocity, dual.load_factor)

@@ -19,8 +19,8 @@ class ClarabelOptions:
 
     Attributes:
         tolerance: relative tolerance on gap and feasibility.
-        max_iterations: of the interior-point method.
-        time_limit: s, one inner solve.
+        max_iterations: limit of the interior-point method.
+        time_limit: s, limit for one inner solve.
     """
 
     tolerance: float = 1e-10
@@ -34,7 +34,7 @@ class ClarabelOptions:
 
 
 class Clarabel:
-    """The exact reference: interior-point method for second-order cone programs."""
+    """Backend for the exact program: interior-point method for second-order cone programs."""
 
     name: ClassVar[str] = "clarabel"
     title: ClassVar[str] = "Clarabel, exact second-order cone program"
@@ -47,11 +47,11 @@ class Clarabel:
     writers: ClassVar[Mapping[str, Writer]] = {"npz": write_npz, "cbf": write_cbf}
 
     def unavailable(self) -> str:
-        """Always there once imported."""
+        """Return an empty reason: the solver is installed."""
         return ""
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return version()
 
     def prepare(self, program: KinematicProgram, options: ClarabelOptions) -> "ClarabelSolver":
@@ -60,7 +60,7 @@ class Clarabel:
 
 
 class ClarabelSolver:
-    """Clarabel at work on one program."""
+    """Clarabel for one program."""
 
     def __init__(self, program: KinematicProgram, options: ClarabelOptions) -> None:
         self._solver = ConicSolver(program, options)
@@ -79,4 +79,4 @@ class ClarabelSolver:
         )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""

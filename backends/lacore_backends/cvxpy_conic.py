@@ -1,4 +1,4 @@
-"""The kinematic program (T6) word for word in cvxpy: any of its solvers, as a second opinion.
+"""Kinematic program (T6) written in cvxpy, for an independent check with any of its solvers.
 
 minimise   sum_g bound_g ||e_g|| + sum_j g_j ||v_j|| - Fd.U
 subject to F0.U = 1            dual: -load factor
@@ -8,8 +8,8 @@ subject to F0.U = 1            dual: -load factor
            w N U = o           dual: -normal reaction
            o + w s >= d ||v||,  and v = 0 where g = inf
 
-Strains e, slips v and openings o are variables of their own, weighted by w as in (T34), so that
-every stress and reaction is the dual of an equality, whatever cones a solver makes of the norms.
+Strains e, slips v and openings o are separate variables, weighted by w as in (T34), so that every
+stress and reaction is the dual of an equality, whatever cones a solver uses for the norms.
 """
 
 import time
@@ -46,7 +46,7 @@ STATUS_MAP = {
     cp.INFEASIBLE_INACCURATE: Status.FAILED,
     cp.UNBOUNDED: Status.UNSAFE,
     cp.UNBOUNDED_INACCURATE: Status.FAILED,
-    cp.settings.INFEASIBLE_OR_UNBOUNDED: Status.FAILED,  # solved again without costs, to know
+    cp.settings.INFEASIBLE_OR_UNBOUNDED: Status.FAILED,  # solved again without costs to decide
     cp.USER_LIMIT: Status.ITERATION_LIMIT,  # or TIME_LIMIT, by the clock
     cp.SOLVER_ERROR: Status.FAILED,
 }
@@ -55,13 +55,13 @@ _LIMITED = {cp.USER_LIMIT, cp.OPTIMAL_INACCURATE, cp.INFEASIBLE_INACCURATE, cp.U
 
 @cache
 def installed() -> frozenset[str]:
-    """Solvers that cvxpy finds: it tries to import each, so it is asked once."""
+    """Return the solvers that cvxpy finds, cached because cvxpy tries to import each of them."""
     return frozenset(cp.installed_solvers())
 
 
 @dataclass(frozen=True)
 class Cvxpy:
-    """The readable model, by Clarabel, or by any other solver of cvxpy as ``cvxpy:SOLVER``."""
+    """Backend with a readable model, for any solver of cvxpy as ``cvxpy:SOLVER``."""
 
     solver: str = "CLARABEL"
     name: str = "cvxpy"
@@ -75,7 +75,7 @@ class Cvxpy:
 
     @property
     def known(self) -> Solver:
-        """What is known here of the solver."""
+        """Known properties of the solver."""
         return known_solver(self.solver)
 
     @property
@@ -96,26 +96,26 @@ class Cvxpy:
 
     @property
     def Options(self) -> type:  # noqa: N802  # it is a class
-        """By kind of solver."""
+        """Class of the options, by the kind of solver."""
         return self.known.options
 
     def variants(self) -> Sequence[str]:
-        """Solvers known here or installed; `unavailable` of each says whether it can run."""
+        """Return the known and the installed solvers; `unavailable` of each tells if it can run."""
         others = installed() & {*SOLVER_MAP_CONIC, *SOLVER_MAP_QP}
         return sorted(others | set(SOLVERS))
 
     def variant(self, name: str) -> "Cvxpy":
-        """The backend of one solver."""
+        """Return the backend of one solver."""
         return Cvxpy(name, f"cvxpy:{name}")
 
     def unavailable(self) -> str:
-        """Not installed, or no licence."""
+        """Return why the solver cannot run: not installed, or no licence."""
         if self.solver not in installed():
             return f"{self.solver} is not installed: pip install {self.known.package}"
         return no_mosek_licence() if self.solver == "MOSEK" else ""
 
     def version(self) -> str:
-        """Those of cvxpy and of the solver."""
+        """Return the versions of cvxpy and of the solver."""
         try:
             number = version(self.known.package)
         except PackageNotFoundError:
@@ -123,12 +123,12 @@ class Cvxpy:
         return f"cvxpy {cp.__version__}, {self.solver} {number}"
 
     def prepare(self, program: KinematicProgram, options: OwnDefaults) -> "CvxpySolver":
-        """Nothing to do before the contact is known."""
+        """Return a solver; the model is built when the contact is known."""
         return CvxpySolver(program, self, options)
 
 
 class _Model:
-    """The program for one pattern of contact points; friction bounds and shifts are parameters."""
+    """Program for one pattern of contact points; friction bounds and shifts are parameters."""
 
     def __init__(self, program: KinematicProgram, contact: FrozenContact) -> None:
         self._program, points = program, program.contact
@@ -143,7 +143,7 @@ class _Model:
             e = cp.Variable((group.weights.size, group.dim)) if rates.shape[0] else None
             self._flow.append(None if e is None else rates @ u == cp.vec(e, order="C"))
             volume = _weighted(theta, group.volume_weights) @ u
-            if e is not None and group.modulus is not None:  # e is a length times a weight
+            if e is not None and group.modulus is not None:  # e is a length times a weight.
                 cost += (group.modulus / group.weights) @ cp.sum(cp.square(e), axis=1) / 2
             if group.surfaces is not None:
                 lead, spread, cost_of = _multiplied(group.surfaces)
@@ -178,7 +178,7 @@ class _Model:
         self.feasibility = cp.Problem(cp.Minimize(0), laws)
 
     def fits(self, contact: FrozenContact) -> bool:
-        """Whether a contact has the rows that this model was built with."""
+        """Return whether a contact has the rows that this model was built with."""
         now, then = [*_kinds(contact), contact.dilatancy], [self.stick, self.rub, self.dilatancy]
         return all(map(np.array_equal, now, then))
 
@@ -188,7 +188,7 @@ class _Model:
         self._shift.value = contact.shift
 
     def point(self) -> ProgramState | None:
-        """Velocity and duals in the signs of `ProgramState`; None where there are none."""
+        """Return velocity and duals with the signs of `ProgramState`; None if there are none."""
         if self._u.value is None or self._power.dual_value is None:
             return None
         groups, contact = self._program.groups, self._program.contact
@@ -205,7 +205,7 @@ class _Model:
 
 
 class CvxpySolver:
-    """cvxpy at work on one program."""
+    """cvxpy for one program."""
 
     def __init__(self, program: KinematicProgram, backend: Cvxpy, options: Any) -> None:
         self._program, self._options, self._solver = program, options, backend.solver
@@ -239,35 +239,37 @@ class CvxpySolver:
         )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
     def _run(self, problem: Any) -> tuple[str, int, str]:
-        """Outcome in the words of cvxpy, iterations, and what a solver that failed says."""
+        """Return the status of cvxpy, the iterations, and the message of a solver that failed."""
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # the status says that a solution is inaccurate
+                # The status already states that a solution is inaccurate.
+                warnings.simplefilter("ignore")
                 problem.solve(solver=self._solver, warm_start=self._warm_start, **self._settings)
-        except Exception as error:  # whatever a solver raises: SolverError is one of many
+        # Solvers raise many kinds of exceptions in addition to SolverError.
+        except Exception as error:
             return cp.SOLVER_ERROR, 0, f"{type(error).__name__}: {error}"
         return str(problem.status), int(problem.solver_stats.num_iters or 0), ""
 
 
 def _kinds(contact: FrozenContact) -> tuple[Bools, Bools]:
-    """Points that stick, and those whose slip has a cost or opens the contact.
+    """Return the points that stick, and those whose slip has a cost or opens the contact.
 
-    The norm of any other slip would be free to grow, which interior points do not like.
+    The norm of any other slip would be unbounded, which interior-point methods do not handle well.
     """
     stick = np.isinf(contact.bound)
     return stick, ~stick & ((contact.bound > 0) | (contact.dilatancy > 0))
 
 
 def _lengths(rows: Any) -> Any:
-    """Norm of each row; that of a single column is no second-order cone."""
+    """Return the norm of each row; that of a single column is not a second-order cone."""
     return cp.abs(rows[:, 0]) if rows.shape[1] == 1 else cp.norm(rows, axis=1)
 
 
 def _multiplied(surfaces: Surfaces) -> tuple[Any, Any, Any]:
-    """Bounds of the norms, volumetric rates and cost, of multipliers times weights (T39)."""
+    """Return the bounds of the norms, volumetric rates and cost of weighted multipliers (T39)."""
     lam = cp.Variable(surfaces.strength.shape, nonneg=True)
     rates = [
         cp.sum(cp.multiply(surfaces.slope[:, :, row], lam), axis=1)
@@ -282,5 +284,5 @@ def _weighted(rows: Sparse, weights: Floats) -> Any:
 
 
 def _dual(law: Any, shape: tuple[int, ...]) -> Floats:
-    """Dual of an equality by point; of one that was left out, zero."""
+    """Return the dual of an equality by point; zero if it was left out."""
     return np.zeros(shape) if law is None else np.reshape(law.dual_value, shape)

@@ -1,4 +1,4 @@
-"""HiGHS on programs whose cones are all of one row: rigid blocks and frames in the plane, an LP."""
+"""HiGHS for programs with cones of one row: rigid blocks and plane frames, an LP."""
 
 import time
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ STATUS_MAP = {
     "kOptimal": Status.SOLVED,
     "kInfeasible": Status.LOCKED,
     "kUnbounded": Status.UNSAFE,
-    "kUnboundedOrInfeasible": Status.FAILED,  # solved again without presolve, to know
+    "kUnboundedOrInfeasible": Status.FAILED,  # solved again without presolve to decide
     "kIterationLimit": Status.ITERATION_LIMIT,
     "kTimeLimit": Status.TIME_LIMIT,
     "kUnknown": Status.STALLED,
@@ -39,7 +39,7 @@ STATUS_MAP = {
     "kMemoryLimit": Status.FAILED,
 }
 _SMALLEST_TOLERANCE = 1e-10
-_KEPT = 2  # models: a coupling loop alternates between bounds and shifts (T12)
+_KEPT = 2  # number of models kept: a coupling loop alternates between bounds and shifts (T12)
 
 
 @dataclass(frozen=True)
@@ -47,11 +47,11 @@ class HighsOptions:
     """Options of the `highs` backend.
 
     Attributes:
-        tolerance: absolute, of the rows and of the reduced costs; HiGHS takes none below 1e-10.
+        tolerance: absolute tolerance of the rows and of the reduced costs, at least 1e-10.
         solver: ``simplex``, which starts from the vertex of the solve before, or ``ipm``, an
             interior point followed by a crossover to a vertex.
-        max_iterations: of the simplex method, or of the interior-point method.
-        time_limit: s, one inner solve.
+        max_iterations: limit of the simplex method, or of the interior-point method.
+        time_limit: s, limit for one inner solve.
     """
 
     tolerance: float = 1e-10
@@ -70,10 +70,10 @@ class HighsOptions:
 
 
 def write_mps(program: KinematicProgram, contact: FrozenContact, path: Path) -> None:
-    """The linear program of `lacore_backends._linear_form` in free MPS, velocities first.
+    """Write the linear program of `lacore_backends._linear_form` in free MPS, velocities first.
 
     Raises:
-        OSError: HiGHS could not write it.
+        OSError: HiGHS could not write the file.
     """
     form, model = LinearForm(program, contact), highspy.Highs()
     model.setOptionValue("output_flag", False)
@@ -88,7 +88,7 @@ def write_mps(program: KinematicProgram, contact: FrozenContact, path: Path) -> 
 
 
 class Highs:
-    """Vertex solutions of linear programs, exact to round-off."""
+    """Backend for vertex solutions of linear programs, exact to round-off."""
 
     name: ClassVar[str] = "highs"
     title: ClassVar[str] = "HiGHS, exact linear program (blocks and frames in the plane)"
@@ -101,24 +101,24 @@ class Highs:
     writers: ClassVar[Mapping[str, Writer]] = {"mps": write_mps}
 
     def unavailable(self) -> str:
-        """Always there once imported."""
+        """Return an empty reason: the solver is installed."""
         return ""
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return f"HiGHS {highspy.Highs().version()}"
 
     def prepare(self, program: KinematicProgram, options: HighsOptions) -> "HighsSolver":
-        """Nothing yet: the rows depend on which points are dilatant."""
+        """Return a solver; the rows depend on which points are dilatant."""
         return HighsSolver(program, options)
 
 
 class HighsSolver:
-    """HiGHS at work on one program."""
+    """HiGHS for one program."""
 
     def __init__(self, program: KinematicProgram, options: HighsOptions) -> None:
         self._program, self._options = program, options
-        self._models: list[_Model] = []  # the one asked last comes last
+        self._models: list[_Model] = []  # The last one used comes last.
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve from the last vertex of the same rows."""
@@ -127,10 +127,10 @@ class HighsSolver:
         return replace(answer, solve_time=time.perf_counter() - begin)
 
     def _model(self, contact: FrozenContact) -> "_Model":
-        """The model for a contact: one of the last, or a new one in place of the oldest.
+        """Return the model for a contact: one of the last, or a new one in place of the oldest.
 
-        A coupling loop alternates between bounds and shifts (T12): each starts from the last
-        vertex of its own kind. A change of dilatancy alone passes the rows anew, with the basis.
+        A coupling loop alternates between bounds and shifts (T12): each starts from the last vertex
+        of its own kind. If only the dilatancy changes, the rows are passed again with the basis.
         """
         form = LinearForm(self._program, contact)
         known = [model for model in self._models if model.alike(form)]
@@ -151,7 +151,7 @@ class HighsSolver:
 
 
 class _Model:
-    """HiGHS with one set of rows, and the vertex that it found last."""
+    """HiGHS with one set of rows, and the last vertex."""
 
     def __init__(self, options: HighsOptions) -> None:
         self._options = options
@@ -165,16 +165,16 @@ class _Model:
             "ipm_optimality_tolerance": options.tolerance,
             "simplex_iteration_limit": options.max_iterations,
             "ipm_iteration_limit": options.max_iterations,
-            "small_matrix_value": 1e-12,  # smaller entries, of tiny weights, would be dropped
+            "small_matrix_value": 1e-12,  # Smaller entries, from tiny weights, would be dropped.
         }.items():
             self._highs.setOptionValue(name, value)
 
     def alike(self, form: LinearForm) -> bool:
-        """Whether rows and columns mean the same, so that the last vertex is one to start from."""
+        """Return whether rows and columns have the same meaning, so that the last vertex fits."""
         return self._form is not None and np.array_equal(self._form.split, form.split)
 
     def take(self, form: LinearForm) -> None:
-        """Pass the rows, unless they are there; a model that is alike keeps its vertex."""
+        """Pass the rows unless they are present; a model that is alike keeps its vertex."""
         if self._form is not None and np.array_equal(self._form.dilatancy, form.dilatancy):
             return
         basis = self._highs.getBasis()
@@ -203,7 +203,7 @@ class _Model:
         there = status.has_point and answer.value_valid and answer.dual_valid
         point = form.point(np.array(answer.col_value), np.array(answer.row_dual)) if there else None
         if status is not Status.SOLVED:
-            highs.clearSolver()  # no vertex to start from
+            highs.clearSolver()  # There is no vertex to start from.
         return InnerSolution(
             status=status,
             native_status=native,
@@ -213,7 +213,7 @@ class _Model:
         )
 
     def _run(self) -> str:
-        # The clock of HiGHS runs on from solve to solve.
+        # The clock of HiGHS continues from solve to solve.
         self._highs.setOptionValue(
             "time_limit", self._highs.getRunTime() + self._options.time_limit
         )
@@ -226,7 +226,7 @@ class _Model:
 
 
 def _model(form: LinearForm) -> Any:
-    """The rows of a form for HiGHS; costs and bounds follow."""
+    """Return the rows of a form for HiGHS; costs and bounds follow."""
     matrix = form.matrix()
     lp = highspy.HighsLp()
     lp.num_col_, lp.num_row_ = form.columns, form.rows

@@ -1,10 +1,10 @@
-"""IPOPT through CasADi on the regularised nonlinear program of the paper, as corrected (T17-T21).
+"""IPOPT through CasADi for the regularised nonlinear program of the paper, as corrected (T17-T21).
 
-Unknowns are velocities alone; the one constraint is ``F0.U = 1``. Energy, gradient and Hessian of
-a strain point or a contact point are small symbolic functions mapped over all points, so the
-Hessian ``B^T H B`` is exact and sparse without differentiating the whole problem. The
-regularisation is continued from r = 1 downwards, each step warm-started; where strength depends on
-pressure, a barrier is (`lacore_backends._barrier_program`).
+Unknowns are velocities alone; the one constraint is ``F0.U = 1``. Energy, gradient and Hessian of a
+strain point or a contact point are small symbolic functions mapped over all points, so the Hessian
+``B^T H B`` is exact and sparse without differentiating the whole problem. The regularisation is
+continued from r = 1 downwards, each step warm-started; where strength depends on pressure, a
+barrier is reduced instead (`lacore_backends._barrier_program`).
 """
 
 import time
@@ -32,8 +32,9 @@ from lacore_backends._barrier_program import BarrierSolver, Fading
 from lacore_backends._huber_laws import Law, contact_law, plastic_law
 from lacore_backends._ipopt import STATUS_MAP, solver_version, to_casadi, unavailable
 
-_ON_THE_WAY = 1e-3  # tolerance of the steps of the continuation but the last
-_STICK = 1e20  # a friction bound that nothing reaches: infinity has no place in the algebra
+_ON_THE_WAY = 1e-3  # tolerance of the steps of the continuation except the last
+# a friction bound that is never reached, since infinity cannot be used in the algebra
+_STICK = 1e20
 
 
 @dataclass(frozen=True)
@@ -41,15 +42,15 @@ class IpoptOptions:
     """Options of the `ipopt` backend.
 
     Attributes:
-        r: dimensionless regularisation (T20); the error of lambda falls about as r^2.
+        r: dimensionless regularisation (T20); the error of lambda is about proportional to r^2.
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         reduction: factor between the steps of the continuation, 0 < reduction < 1.
         rescue: share of the rank-one term kept in the Hessian when a step with the exact one
             fails, 0 <= rescue < 1; unused where strength depends on pressure.
-        tolerance: IPOPT's.
-        max_iterations: of one continuation step.
-        time_limit: s, one inner solve.
+        tolerance: tolerance of IPOPT.
+        max_iterations: limit of one continuation step.
+        time_limit: s, limit for one inner solve.
     """
 
     r: float = 1e-3
@@ -73,7 +74,7 @@ class IpoptOptions:
 
 
 class Ipopt:
-    """The nonlinear program of the paper."""
+    """Backend for the nonlinear program of the paper."""
 
     name: ClassVar[str] = "ipopt"
     title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
@@ -90,15 +91,15 @@ class Ipopt:
     Options: ClassVar[type] = IpoptOptions
 
     def unavailable(self) -> str:
-        """Why IPOPT cannot run here; empty where it can."""
+        """Return why IPOPT cannot run; empty if it can."""
         return unavailable()
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return solver_version()
 
     def prepare(self, program: KinematicProgram, options: IpoptOptions) -> PreparedSolver:
-        """Penalties, and point functions or the rows of all laws."""
+        """Prepare the penalties, and point functions or the rows of all laws."""
         target = _penalties(program, options)
         if not program.pressure_dependent:
             return IpoptSolver(program, options, target)
@@ -107,7 +108,7 @@ class Ipopt:
 
 
 class IpoptSolver:
-    """IPOPT at work on one program."""
+    """IPOPT for one program."""
 
     def __init__(self, program: KinematicProgram, options: IpoptOptions, target: Penalties) -> None:
         self._program, self._options, self._target = program, options, target
@@ -116,7 +117,7 @@ class IpoptSolver:
         self._warm: _Step | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve; from the last answer when there is one, else by continuation in r."""
+        """Solve from the last answer if there is one, else by continuation in r."""
         begin = time.perf_counter()
         deadline = begin + self._options.time_limit
         if self._dilatancy is None or not np.array_equal(self._dilatancy, contact.dilatancy):
@@ -139,7 +140,7 @@ class IpoptSolver:
                 if STATUS_MAP[answer.native] is not Status.SOLVED:
                     answer = self._step(contact, penalty, self._options.rescue, before, deadline)
                     iterations += answer.iterations
-        # A step that failed, or ran away from a bound too small, is no start for the next one.
+        # A step that failed, or diverged because of a small bound, is not used as a start.
         solved = STATUS_MAP[answer.native] is Status.SOLVED and not answer.hopeless
         self._warm = answer if solved else None
         native = answer.native
@@ -155,7 +156,7 @@ class IpoptSolver:
         )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
     def _step(
         self,
@@ -165,7 +166,7 @@ class IpoptSolver:
         start: "_Step",
         deadline: float,
     ) -> "_Step":
-        # Steps on the way are but starts of the next.
+        # Steps of the continuation are only starts of the next one.
         tolerance = self._options.tolerance if penalty == self._target else _ON_THE_WAY
         left = max(deadline - time.perf_counter(), 1e-9)
         nlp = _solver(*self._form, self._options, tolerance, left)
@@ -188,7 +189,7 @@ class IpoptSolver:
 
 @dataclass(frozen=True)
 class _Step:
-    """One run of IPOPT; the multiplier is that of ``F0.U = 1``, the load factor."""
+    """Result of one run of IPOPT; the multiplier is that of ``F0.U = 1``, the load factor."""
 
     native: str
     iterations: int
@@ -210,7 +211,7 @@ def _penalties(program: KinematicProgram, options: IpoptOptions) -> Penalties:
 def _build(
     program: KinematicProgram, contact: FrozenContact
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The nonlinear program and its derivatives, as `casadi.nlpsol` wants them.
+    """Return the nonlinear program and its derivatives for `casadi.nlpsol`.
 
     Parameters: four penalties, the damping of the Hessian, friction bounds, shifts.
     """
@@ -265,7 +266,7 @@ def _solver(
     tolerance: float,
     left: float,
 ) -> Any:
-    """IPOPT for the program, with `left` seconds to go."""
+    """Return IPOPT for the program, with `left` seconds remaining."""
     settings: dict[str, Any] = {
         "print_time": False,
         "error_on_fail": False,
@@ -279,22 +280,23 @@ def _solver(
             "max_wall_time": left,
             "acceptable_iter": 0,
             "jac_c_constant": "yes",
-            # Newton steps on Huber functions overshoot by 10 to 1000: measured on punches,
-            # platens and blocks, 0.2 needs half the iterations of the default 0.5.
+            # Newton steps on Huber functions overshoot by 10 to 1000: measured on punches, platens
+            # and blocks, 0.2 needs half the iterations of the default 0.5.
             "alpha_red_factor": 0.2,
             "nlp_scaling_method": "none",
-            # A block that touches nothing has no stiffness: without a floor the next Newton step is
-            # as long as the perturbation is small, and the watchdog takes it unseen.
+            # A block without contact has no stiffness: without a lower limit of the perturbation
+            # the next Newton step would be very long, and the watchdog would accept it unchecked.
             "watchdog_shortened_iter_trigger": 0,
             "min_hessian_perturbation": 1e-4,
-            "fast_step_computation": "yes",  # convex: no residual of a step needs a second look
+            # The program is convex, so no residual of a step needs a check.
+            "fast_step_computation": "yes",
         },
     }
     return ca.nlpsol("regularised", "ipopt", problem, {**derivatives, **settings})
 
 
 def _terms(rows: Sparse, dim: int, law: Law, u: Any, constants: Any, parameters: Any) -> list[Any]:
-    """Sum of a point law over all points: value, gradient, Hessian."""
+    """Return the sum of a point law over all points: value, gradient, Hessian."""
     count = rows.shape[0] // dim
     matrix = to_casadi(rows)
     local = ca.reshape(ca.mtimes(matrix, u), dim, count)

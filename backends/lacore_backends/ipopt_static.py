@@ -1,8 +1,8 @@
-"""IPOPT through CasADi on the exact static program (T7): the largest load that stresses carry.
+"""IPOPT through CasADi for the exact static program (T7): the largest load in equilibrium.
 
-The exact limit load from the other side, found by a solver for nonlinear programs: no velocity is
-among its unknowns, no regularisation in its program. Hardening within a step of a path (T29) would
-make yield a cost of what stresses exceed it by: not written here.
+It computes the exact limit load from the static side by a solver for nonlinear programs, without
+velocities as unknowns and without regularisation. Hardening within a step of a path (T29) would add
+a cost of stresses beyond yield, which is not supported.
 """
 
 import time
@@ -21,12 +21,12 @@ from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._ipopt import STATUS_MAP, solver_version, unavailable
 from lacore_backends._static_program import LARGEST, StaticProgram
 
-_EVIDENCE = 1e-5  # of the loads, or of the velocity: what proofs of no solution may miss
+_EVIDENCE = 1e-5  # allowed error of proofs of infeasibility, by the loads or the velocity
 _STALLS = (
     "IPOPT is slow at the apex of cones, where the corners of footings on soil are: give more"
     " iterations, or take 'clarabel'"
 )
-_MISSING = 1e-6  # share of the dead load that must be missing where it collapses the structure
+_MISSING = 1e-6  # share of the dead load that must be missing if it collapses the structure
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ class IpoptStaticOptions:
     """Options of the `ipopt-static` backend.
 
     Attributes:
-        tolerance: IPOPT's; the gap that it leaves is about a tenth of it per bound and cone.
-        max_iterations: of one run of IPOPT.
-        time_limit: s, one inner solve.
+        tolerance: tolerance of IPOPT; the final gap is about a tenth of it per bound and cone.
+        max_iterations: limit of one run of IPOPT.
+        time_limit: s, limit for one inner solve.
     """
 
     tolerance: float = 1e-10
@@ -50,7 +50,7 @@ class IpoptStaticOptions:
 
 
 class IpoptStatic:
-    """The exact program from its static side."""
+    """Backend for the exact program from its static side."""
 
     name: ClassVar[str] = "ipopt-static"
     title: ClassVar[str] = "IPOPT through CasADi, exact static program"
@@ -62,22 +62,25 @@ class IpoptStatic:
     Options: ClassVar[type] = IpoptStaticOptions
 
     def unavailable(self) -> str:
-        """Why IPOPT cannot run here; empty where it can."""
+        """Return why IPOPT cannot run; empty if it can."""
         return unavailable()
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return solver_version()
 
     def prepare(
         self, program: KinematicProgram, options: IpoptStaticOptions
     ) -> "IpoptStaticSolver":
-        """Equilibrium and cones are built at the first solve: they depend on the dilatancies."""
+        """Return a solver.
+
+        Equilibrium and cones depend on the dilatancies, known at the first solve.
+        """
         return IpoptStaticSolver(program, options)
 
 
 class IpoptStaticSolver:
-    """IPOPT at work on one static program."""
+    """IPOPT for one static program."""
 
     def __init__(self, program: KinematicProgram, options: IpoptStaticOptions) -> None:
         self._program, self._options = program, options
@@ -116,10 +119,10 @@ class IpoptStaticSolver:
         )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
     def _locked(self, contact: FrozenContact, point: ProgramState) -> bool:
-        """Whether what is not bounded carries the load alone: then it carries any (Farkas)."""
+        """Return whether unbounded stresses carry the load alone, and so any load (Farkas)."""
         if not point.load_factor > LARGEST / 2:
             return False
         unbounded = (contact.dilatancy > 0) | np.isinf(contact.bound)
@@ -133,10 +136,10 @@ class IpoptStaticSolver:
         return bool(np.abs(out_of_balance(program, ray)).max() <= _EVIDENCE * loads)
 
     def _collapses(self, contact: FrozenContact, velocity: Floats) -> bool:
-        """Whether the dead load does more power on a mechanism than that dissipates.
+        """Return whether the dead load does more power on a mechanism than it dissipates.
 
-        The reference load does none on it, so that no load factor keeps the structure (T13). It is
-        the mechanism of a limit load, the share of the dead load that can be carried.
+        The reference load has no power on it, so no load factor keeps the structure (T13). It is
+        the mechanism of a limit load, that of the share of the dead load that can be carried.
         """
         program, points = self._program, self._program.contact
         slip = np.linalg.norm(points.slip(velocity), axis=1)

@@ -1,12 +1,11 @@
-"""Primal-dual Newton on the regularised program (T17-T21, T65), from a cold start, sparse.
+"""Primal-dual Newton method for the regularised program (T17-T21, T65), from a cold start, sparse.
 
-Stresses are unknowns of their own (`lacore_backends._newton_system`), so that no continuation in r
-is
+Stresses are separate unknowns (`lacore_backends._newton_system`), so no continuation in r is
 needed: an exact Hessian has singular directions far from the solution, this one has not.
 
-Where strength depends on pressure whole corners of yield have no curvature, and steps from one to
-the next are many, the more the smaller r. There stresses keep away from the edges of yield by what
-goes to zero with the iteration (`lacore_backends._interior_point`).
+Where strength depends on pressure, whole corners of yield have no curvature, and many steps lead
+from one to the next, the more the smaller r is. There a barrier that goes to zero with the
+iteration keeps stresses away from the edges of yield (`lacore_backends._interior_point`).
 """
 
 import time
@@ -39,30 +38,31 @@ from lacore_backends._goal import Goal
 from lacore_backends._interior_point import follow
 from lacore_backends._newton_system import Shape, System, laws_of, shape_of
 
-_SLOPE = 0.5  # share of the slope that a step may leave
-_NOISE = 1e-14  # of the power of the load: slopes below it are round-off
-_FURTHER = 10.0  # factor of a step that is too short
-_NARROW = 1e-2  # relative width of a bracket that is not worth another look
-_MARGIN = 0.1  # share of a bracket that interpolation keeps away from its ends
-_SHORTEST = 1e-8  # step at which the line search gives up
-_STILL = 1e-12  # of the velocity: steps below it are round-off
-_LONGEST = 10.0  # of the velocity: beyond it a step is an effect of too soft a matrix
-_SHORT = 1e-2  # step below which the matrix is taken to be too soft
-_NO_FORCE = 1e-9  # dimensionless
-_REDUCTION = 0.1  # of r between the steps of a continuation
+_SLOPE = 0.5  # share of the slope that may remain after a step
+_NOISE = 1e-14  # slope, by the power of the load, below which it is round-off
+_FURTHER = 10.0  # factor for a step that is too short
+_NARROW = 1e-2  # relative width of a bracket that is not refined
+_MARGIN = 0.1  # share of a bracket that interpolation keeps from its ends
+_SHORTEST = 1e-8  # step at which the line search fails
+_STILL = 1e-12  # step, by the velocity, that is round-off
+_LONGEST = 10.0  # step, by the velocity, that shows that the matrix is too soft
+_SHORT = 1e-2  # step below which the matrix is assumed to be too soft
+_NO_FORCE = 1e-9  # dimensionless force that counts as zero
+_REDUCTION = 0.1  # factor of r between the steps of a continuation
 
 STATUS_MAP = {
     "converged": Status.SOLVED,
-    "converged to round-off": Status.ALMOST_SOLVED,  # above the tolerance, but it does not move
+    # above the tolerance, but without further change
+    "converged to round-off": Status.ALMOST_SOLVED,
     "iteration limit": Status.ITERATION_LIMIT,
     "time limit": Status.TIME_LIMIT,
     "line search failed": Status.STALLED,
     "no progress": Status.STALLED,
     "singular matrix": Status.STALLED,
-    "diverged": Status.FAILED,  # or what `judged_status` makes of it
+    "diverged": Status.FAILED,  # or the result of `judged_status`
 }
 
-fast_solver()  # loads its library, which is no part of the time of the first solve
+fast_solver()  # Loading the library does not count to the time of the first solve.
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,8 @@ class NewtonOptions:
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         tolerance: largest nodal force out of balance, per total load.
-        max_iterations: Newton steps.
-        time_limit: s, one inner solve.
+        max_iterations: limit of Newton steps.
+        time_limit: s, limit for one inner solve.
     """
 
     r: float = 1e-4
@@ -95,7 +95,7 @@ class NewtonOptions:
 
 
 class Newton:
-    """The fastest of the regularised backends: one sparse factorisation an iteration."""
+    """Fastest of the regularised backends, with one sparse factorisation per iteration."""
 
     name: ClassVar[str] = "newton"
     title: ClassVar[str] = "Primal-dual Newton, regularised program, sparse direct solver"
@@ -107,21 +107,21 @@ class Newton:
     Options: ClassVar[type] = NewtonOptions
 
     def unavailable(self) -> str:
-        """Always there: scipy is a dependency."""
+        """Return an empty reason: SciPy is a dependency of lacore."""
         return ""
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return f"{symmetric_solver().name}, SciPy {scipy.__version__}"
 
     def prepare(self, program: KinematicProgram, options: NewtonOptions) -> PreparedSolver:
-        """Penalties and the rows of all laws, shared by all frozen contacts."""
+        """Prepare penalties and the rows of all laws, shared by all frozen contacts."""
         return (PressedSolver if program.pressure_dependent else NewtonSolver)(program, options)
 
 
 @dataclass(frozen=True)
 class _NewtonResult:
-    """Where the iteration ended; the multiplier is that of ``F0.U = 1``."""
+    """Last iterate; the multiplier is that of ``F0.U = 1``."""
 
     native: str
     iterations: int
@@ -131,17 +131,17 @@ class _NewtonResult:
 
     @property
     def stuck(self) -> bool:
-        """Whether another way to the solution is worth a try."""
+        """Whether another way to the solution may help."""
         return self.native in ("iteration limit", "line search failed", "singular matrix")
 
 
 def _at_rest(point: RegularisedPoint) -> bool:
-    """Whether nothing resists the motion: then no force is there to measure round-off by."""
+    """Return whether nothing resists the motion, so that no force gives a scale for round-off."""
     return point.values.energy <= _NO_FORCE**2 and np.abs(point.gradient).max() <= _NO_FORCE
 
 
 class NewtonSolver:
-    """Newton at work on one program."""
+    """Newton's method for one program."""
 
     def __init__(self, program: KinematicProgram, options: NewtonOptions) -> None:
         self._program, self._options = program, options
@@ -161,7 +161,7 @@ class NewtonSolver:
         answer = self._iterate(contact, self._target, start, deadline)
         iterations = answer.iterations
         if answer.stuck:
-            # Uniform flow under dilatancy: no curvature anywhere but in what still sticks.
+            # Under dilatancy a uniform flow has no curvature except in points that stick.
             start = None
             for penalty in self._target.continuation(_REDUCTION):
                 answer = self._iterate(contact, penalty, start, deadline)
@@ -208,7 +208,8 @@ class NewtonSolver:
                 multiplier, change = system.direction(laws, u, point.gradient)
             except SingularError as error:
                 return _NewtonResult("singular matrix", iteration, u, multiplier, str(error))
-            balance = point.values.load_factor  # what the certificate will measure with
+            # load factor with which the certificate will compare
+            balance = point.values.load_factor
             forces = abs(balance) * float(np.abs(load).sum()) + weight
             out_of_balance = float(np.abs(point.gradient - balance * load).max())
             if out_of_balance <= self._options.tolerance * forces or _at_rest(point):
@@ -233,7 +234,7 @@ class NewtonSolver:
 
 
 class PressedSolver:
-    """Newton at work on one program whose strength depends on pressure."""
+    """Newton's method for one program with pressure-dependent strength."""
 
     def __init__(self, program: KinematicProgram, options: NewtonOptions) -> None:
         self._program, self._options = program, options
@@ -242,7 +243,7 @@ class PressedSolver:
         self._known: tuple[tuple[Bools, ...], Gram] | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve; what contact points rub, stick or dilate decides on the pattern of the matrix."""
+        """Solve; the pattern of the matrix depends on which contact points rub, stick or dilate."""
         begin = time.perf_counter()
         laws = ConicLaws(self._program, contact, self._penalty)
         same = self._known and all(map(np.array_equal, self._known[0], laws.pattern))
@@ -271,10 +272,10 @@ def _penalties(program: KinematicProgram, options: NewtonOptions) -> Penalties:
 def _line_search(
     system: System, u: Floats, change: Floats, point: RegularisedPoint, multiplier: float
 ) -> tuple[float, RegularisedPoint]:
-    """Step at which the convex energy has lost most of its slope along `change`.
+    """Return the step at which the convex energy has lost most of its slope along `change`.
 
-    Slopes instead of values, and without the load, which does no power on `change`: near the
-    solution all else is round-off.
+    Slopes are used instead of values, and without the load, which has no power on `change`: near
+    the solution everything else is round-off.
     """
     load = multiplier * system.program.reference_load
     first = abs(float((point.gradient - load) @ change))
@@ -290,7 +291,8 @@ def _line_search(
         width = long[0] - short[0]
         if width <= _NARROW * share:
             return share, new
-        if long[0] == np.inf:  # the energy still falls as steeply: a long way, or no end at all
+        # The energy still falls as steeply, so the minimum is far away or does not exist.
+        if long[0] == np.inf:
             share *= _FURTHER
         else:
             part = short[1] / (short[1] - long[1])

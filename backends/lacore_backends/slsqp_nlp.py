@@ -1,4 +1,4 @@
-"""SLSQP of SciPy on the regularised program (T17-T21): dense, for small meshes.
+"""SLSQP of SciPy for the regularised program (T17-T21): dense, for small meshes.
 
 An independent check of the nonlinear program: a quasi-Newton method that uses values and analytic
 gradients only. The unknowns are ``y = R U`` with ``R^T R`` the viscous matrix (no point yields), in
@@ -38,13 +38,14 @@ from lacore.reporting.status import Status
 from lacore.solvers.backend import Capabilities, InnerSolution
 from lacore_backends._answers import told
 
-_BALANCED = 1e-7  # of the forces: an end that deserves a certificate's look
-_OUT_OF_BALANCE = 1e-3  # of the forces: no minimum, whatever scipy says
-_AT_REST = 1e-10  # of the forces: nothing is left to balance
-_JACOBIANS = 6  # differences in all unknowns that one method may spend on balance
-_STOPPED = 99  # of SciPy, for a callback that raised StopIteration
+_BALANCED = 1e-7  # unbalanced force, by all forces, that the certificate should check
+# unbalanced force, by all forces, that is not a minimum whatever SciPy reports
+_OUT_OF_BALANCE = 1e-3
+_AT_REST = 1e-10  # sum of forces below which there is nothing to balance
+_JACOBIANS = 6  # number of Jacobians by differences that one method may compute
+_STOPPED = 99  # status of SciPy for a callback that raised StopIteration
 LATE = "time limit"  # native status of a run that our callback stops
-AWAY = "ran away"  # native status of a run whose velocity has no bound
+AWAY = "ran away"  # native status of a run whose velocity is unbounded
 
 STATUS_MAP = {
     -1: Status.FAILED,  # gradient evaluation required: internal
@@ -59,7 +60,7 @@ STATUS_MAP = {
     8: Status.STALLED,  # positive directional derivative in the line search
     9: Status.ITERATION_LIMIT,
     LATE: Status.TIME_LIMIT,
-    AWAY: Status.FAILED,  # or what `judged_status` makes of it
+    AWAY: Status.FAILED,  # or the result of `judged_status`
 }
 
 
@@ -72,9 +73,9 @@ class SlsqpOptions:
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         reduction: factor between the steps of the continuation in r, 0 < reduction < 1.
-        tolerance: scipy's own, of the energy: near its round-off.
-        max_iterations: of one continuation step.
-        time_limit: s, one inner solve.
+        tolerance: tolerance of SciPy on the energy, near its round-off.
+        max_iterations: limit of one continuation step.
+        time_limit: s, limit for one inner solve.
     """
 
     r: float = 0.03
@@ -96,14 +97,14 @@ class SlsqpOptions:
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where a minimiser ended.
+    """Result of a minimiser.
 
     Attributes:
         y: unknowns, shape (n,).
-        native: its own status, a key of the map.
-        message: its own words.
-        iterations: as it counts.
-        multiplier: of ``load.y = 1`` (the load factor).
+        native: native status, a key of the map.
+        message: message of the minimiser.
+        iterations: number of iterations of the minimiser.
+        multiplier: multiplier of ``load.y = 1`` (the load factor).
     """
 
     y: Floats
@@ -117,11 +118,11 @@ Objective = Callable[[Floats], tuple[float, Floats]]
 
 
 class _Ran(Exception):  # noqa: N818  # no error: an answer
-    """The velocity has run away; a minimiser would go on with infinities."""
+    """Raised when the velocity diverges; a minimiser would continue with infinities."""
 
 
 class SlsqpSolver:
-    """SLSQP prepared for one program."""
+    """SLSQP for one program."""
 
     def __init__(self, program: KinematicProgram, options: SlsqpOptions) -> None:
         if program.n < 2:
@@ -139,7 +140,7 @@ class SlsqpSolver:
         self._start: Floats | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve; from the last answer when it was one, else by continuation in r."""
+        """Solve from the last answer if there is one, else by continuation in r."""
         begin = time.perf_counter()
         deadline = begin + self._options.time_limit
 
@@ -169,7 +170,7 @@ class SlsqpSolver:
         return told(point, status, end.message, iterations, time.perf_counter() - begin)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
     def _velocity(self, y: Floats) -> Floats:
         return np.asarray(solve_triangular(self._factor, y))
@@ -202,11 +203,11 @@ class SlsqpSolver:
     def _balanced(
         self, contact: FrozenContact, end: Minimum, watch: Callable[..., None]
     ) -> Minimum:
-        """An end near the minimum, closer to it where equilibrium as an equation gets there.
+        """Return an end closer to the minimum, by solving the equations of equilibrium.
 
-        By gradients alone (MINPACK): of a convex energy whoever is in equilibrium is at the
-        minimum. Powell's method is quick; where much is at the very point of yielding, so that
-        stiffness jumps, Levenberg's and Marquardt's gets on.
+        Only gradients are used (MINPACK), since the minimum of a convex energy is its equilibrium.
+        Powell's method is fast; the Levenberg-Marquardt method also converges where many points are
+        about to yield, so that the stiffness jumps.
         """
         rest = self._rest(self._point(contact, end))
         if not rest <= _OUT_OF_BALANCE:
@@ -229,7 +230,7 @@ class SlsqpSolver:
                     found: Any = root(  # type: ignore[call-overload]  # a method by name
                         unbalanced, start, method=method, tol=1e-15, options=limits
                     )
-            except StopIteration:  # time is up: what is there is an answer
+            except StopIteration:  # The time is up, so the present point is the answer.
                 break
             closer = replace(end, y=found.x[:-1], multiplier=float(found.x[-1]))
             left = self._rest(self._point(contact, closer))
@@ -242,7 +243,7 @@ class SlsqpSolver:
         return evaluate(self._program, contact, self._target, velocity, end.multiplier)
 
     def _rest(self, point: RegularisedPoint) -> float:
-        """Largest force out of balance, of the sum of all."""
+        """Return the largest unbalanced force, by the sum of all."""
         load_factor = point.values.load_factor
         forces = abs(load_factor) * float(np.abs(self._program.reference_load).sum())
         forces += float(np.abs(self._program.dead_load).sum())
@@ -250,19 +251,19 @@ class SlsqpSolver:
         return float(rest / forces)
 
     def _recheck(self, claimed: Status, point: RegularisedPoint) -> Status:
-        """What is left of scipy's claim when forces are counted."""
+        """Return the status after a check of the forces."""
         rest = self._rest(point)
         if claimed is Status.STALLED and rest <= _BALANCED:
-            return Status.ALMOST_SOLVED  # its line search ended at round-off
+            return Status.ALMOST_SOLVED  # Its line search ended at round-off.
         if claimed is Status.SOLVED and not rest <= _OUT_OF_BALANCE:
             return Status.STALLED
         return claimed
 
 
 def _viscous_matrix(program: KinematicProgram, penalty: Penalties) -> Floats:
-    """Hessian of the energy where nothing yields or slips, every contact point closed; dense.
+    """Return the Hessian of the energy without yield or slip and with closed contacts; dense.
 
-    A multiple of the identity, small against its diagonal, keeps rigid motions from being free.
+    A multiple of the identity, small compared with its diagonal, resists rigid motions.
     """
     total = np.zeros((program.n, program.n))
     for group in program.groups:
@@ -279,7 +280,7 @@ def _viscous_matrix(program: KinematicProgram, penalty: Penalties) -> Floats:
 
 
 def _gram(rows: Sparse, weights: Floats) -> Floats:
-    """``rows^T diag(weights) rows``, dense."""
+    """Return ``rows^T diag(weights) rows``, dense."""
     return np.asarray((rows.T @ diags_array(weights) @ rows).toarray())
 
 
@@ -314,7 +315,7 @@ def _minimise(
 
 
 class Slsqp:
-    """Sequential least squares programming."""
+    """Backend for sequential least squares programming."""
 
     name: ClassVar[str] = "slsqp"
     title: ClassVar[str] = "SLSQP (scipy), regularised program, small meshes"
@@ -331,13 +332,13 @@ class Slsqp:
     Options: ClassVar[type] = SlsqpOptions
 
     def unavailable(self) -> str:
-        """Always there: scipy is a dependency."""
+        """Return an empty reason: SciPy is a dependency of lacore."""
         return ""
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return f"SciPy {scipy.__version__}"
 
     def prepare(self, program: KinematicProgram, options: SlsqpOptions) -> SlsqpSolver:
-        """Penalties and the preconditioner, shared by all frozen contacts."""
+        """Prepare penalties and the preconditioner, shared by all frozen contacts."""
         return SlsqpSolver(program, options)
