@@ -10,10 +10,10 @@ from lacore.coupling.freezing import pressing
 from lacore.coupling.run import Iterate, Run
 from lacore.coupling.steps import (
     alternate,
-    carried_k_step,
-    carries,
     closest,
+    feasible_k_step,
     gap,
+    proves_load,
     s_step,
     s_steps,
     static_alone,
@@ -48,14 +48,14 @@ def _hurried(run: Run, static: ProgramState) -> Iterate | None:
     static, least = closest(run, static), min(map(gap, s_steps(run)), default=0.0)
     reactions, step, own = pressing(run.program, static), 0, 0.0
     while own <= _HALF * least:
-        reactions, k = carried_k_step(run, reactions, static, "K")
+        reactions, k = feasible_k_step(run, reactions, static, "K")
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
-            return k if carries(run, k) else None
+            return k if proves_load(run, k) else None
         frozen, reactions, step = reactions, pressing(run.program, k.inner.point), step + 1
         if step % _BATCH == 0:
             s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):
-                return s if carries(run, s) else None
+                return s if proves_load(run, s) else None
             static, least, own = s.inner.point, own or least, gap(s)
     return None
 
@@ -68,14 +68,14 @@ def drifted(run: Run, static: ProgramState) -> Iterate | None:
     reactions = pressing(run.program, static)
     for step in range(1, _DRIFT + 1):
         kind, share = ("K", 1.0) if step <= _UNDAMPED else ("damped K", 0.5)
-        reactions, k = carried_k_step(run, reactions, static, kind)
+        reactions, k = feasible_k_step(run, reactions, static, kind)
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
-            return k if carries(run, k) else None
+            return k if proves_load(run, k) else None
         frozen = reactions
         reactions = reactions + share * (pressing(run.program, k.inner.point) - reactions)
         if step in _LOOKS:
             s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):
-                return s if carries(run, s) else None
+                return s if proves_load(run, s) else None
             static = s.inner.point
     return settled(run, static)

@@ -69,12 +69,12 @@ def alternate(
     """
     reactions, least, failed = pressing(run.program, static), np.inf, 0
     while not run.exhausted and failed <= patience and len(run.iterates) < (most or np.inf):
-        reactions, k = carried_k_step(run, reactions, static, kind)
+        reactions, k = feasible_k_step(run, reactions, static, kind)
         if k.inner.point is None or run.free(k) or run.proven(k):
-            return k if carries(run, k) else None
+            return k if proves_load(run, k) else None
         s = s_step(run, k.inner.point, reactions)
         if s.inner.point is None or run.free(s) or run.proven(s):
-            return s if carries(run, s) else None
+            return s if proves_load(run, s) else None
         static, own = s.inner.point, gap(s)
         if vanishes(run, static):
             return None
@@ -101,10 +101,10 @@ def resumed(run: Run, blend: Blend, patience: int) -> Iterate | None:
         return None
     k = k_step(run, reactions, None, "K")
     if k.inner.point is None or run.free(k) or run.proven(k):
-        return k if carries(run, k) else None
+        return k if proves_load(run, k) else None
     s = s_step(run, k.inner.point, reactions)
     if s.inner.point is None or run.free(s) or run.proven(s):
-        return s if carries(run, s) else None
+        return s if proves_load(run, s) else None
     return alternate(run, s.inner.point, "K", patience, blend, _SOON)
 
 
@@ -133,7 +133,7 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
     return np.where(reactions > _NOISE * reactions.max(initial=0.0), reactions, 0.0)
 
 
-def carried_k_step(
+def feasible_k_step(
     run: Run, reactions: Floats, static: ProgramState, kind: str
 ) -> tuple[Floats, Iterate]:
     """A K-step, and what it froze: more where that is less than any admissible state needs."""
@@ -199,7 +199,7 @@ def gap(iterate: Iterate) -> float:
     return np.inf if iterate.certificate is None else iterate.certificate.gap
 
 
-def carries(run: Run, iterate: Iterate) -> bool:
+def proves_load(run: Run, iterate: Iterate) -> bool:
     """Whether an iterate is a proven state with a load.
 
     Zero is a Coulomb state of weightless contact that any load may meet: none to settle at.

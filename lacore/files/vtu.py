@@ -103,7 +103,7 @@ def _flowing(
     pressures = by_body(state.discretisation.continua, state.point.mean_stress)
     (pressure,) = [own for body, _, own in pressures if body == name]
     strengths = [
-        (group.carried(mean) / strain_per_length(region)).reshape(region.elements.size, -1)
+        (group.strength_at(mean) / strain_per_length(region)).reshape(region.elements.size, -1)
         for region, group, mean in zip(dofs.body.regions, groups, pressure, strict=True)
     ]  # at their pressure
     fields = {"equivalent_strain_rate": rate, "yield_stress": gathered(dofs.body, strengths)}

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.coupling.claims.carrying import Carrying, carrying
+from lacore.coupling.claims.dead_loads import DeadLoadProof, prove_dead_loads
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
@@ -153,7 +153,7 @@ def stability_of(
     laws = kind.laws_of(rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
     prepare = preparer_named(backend, options)
-    found = carrying(program, laws, prepare, tolerance)
+    found = prove_dead_loads(program, laws, prepare, tolerance)
     standing, point, why = _proven(discretisation, found, tolerance)
     if standing is Standing.STANDS:
         known = [0.0, *known]
@@ -173,19 +173,19 @@ def stability_of(
 
 
 def _proven(
-    discretisation: Discretisation, found: Carrying, tolerance: float
+    discretisation: Discretisation, found: DeadLoadProof, tolerance: float
 ) -> tuple[Standing, ProgramState | None, Finding | None]:
     """Return what is proven of the discrete problem, its state in SI units, and what to report."""
-    if found.carried is not None:
-        point = point_in_si(discretisation, found.carried)
+    if found.equilibrium is not None:
+        point = point_in_si(discretisation, found.equilibrium)
         if (excess := span_excess(discretisation, point)) > tolerance:
             inside = Finding(Kind.MOMENTS_INSIDE, values={"excess": excess})
             return Standing.UNDECIDED, None, inside
         why = Finding(Kind.STANDS_ON_MESH) if discretisation.continua else None
         return Standing.STANDS, point, why
-    if found.falling is None:
+    if found.mechanism is None:
         return Standing.UNDECIDED, None, None
-    point = point_in_si(discretisation, found.falling)
+    point = point_in_si(discretisation, found.mechanism)
     point = replace(point, velocity=point.velocity / discretisation.natural.load_factor)
     if corners := driven_corners(discretisation, point.velocity, tolerance):
         return Standing.UNDECIDED, None, corners
@@ -243,4 +243,4 @@ def _endless(
         dead_load=sign * program.reference_load,
     )
     cones = replace(laws, bound=np.where(unlimited, laws.bound, 0.0))
-    return carrying(bare, cones, prepare, tolerance).carried is not None
+    return prove_dead_loads(bare, cones, prepare, tolerance).equilibrium is not None

@@ -176,7 +176,7 @@ def _strengths(program: KinematicProgram, means: Sequence[Floats]) -> list[Float
     return [
         group.bound
         if group.surfaces is None
-        else np.full(group.bound.size, np.average(group.carried(mean), weights=group.weights))
+        else np.full(group.bound.size, np.average(group.strength_at(mean), weights=group.weights))
         for group, mean in zip(program.groups, means, strict=True)
     ]
 

@@ -18,7 +18,7 @@ from lacore.paths.path import PathStep
 from lacore.paths.renewal.remeshing import (
     NewMeshes,
     Remesh,
-    carried,
+    control_on_new_mesh,
     distorted,
     new_meshes,
     restaged,
@@ -70,7 +70,7 @@ def follow(
                 call(BEFORE_STEP, here)
                 taken = _taken(walk, plan.scheme, here, distance, pace, log, remesh)
             if taken is None and remesh is not None:
-                moved = carried(control, walk.stage, here.configuration)
+                moved = control_on_new_mesh(control, walk.stage, here.configuration)
                 call(BEFORE_REMESHING, here)
                 walk, here = _remeshed(walk, here, distance, remesh, poor, moved, log)
                 control = moved

@@ -115,9 +115,9 @@ class DissipationGroup(Compact):
             return np.asarray(self.weights * self.bound * rates)
         return np.asarray(self.weights * self.surfaces.dissipation(rates, volume))
 
-    def carried(self, mean: Floats) -> Floats:
+    def strength_at(self, mean: Floats) -> Floats:
         """Largest ``||stress||`` beside mean stresses of shape (m L,), shape (m,), Pa; >= 0."""
-        return self.bound if self.surfaces is None else self.surfaces.carried(mean)
+        return self.bound if self.surfaces is None else self.surfaces.strength_at(mean)
 
     def impossible(self, velocity: Floats) -> Floats:
         """How far each cone is from flow that is possible, ``|theta|`` where none changes volume.
@@ -142,7 +142,7 @@ class DissipationGroup(Compact):
             return 0.0
         if self.surfaces is None:
             return float(self.volume_weights @ (np.abs(mean) * self.impossible(velocity)))
-        stress = np.abs(mean).reshape(-1, self.volumes).max(axis=1) + self.carried(mean)
+        stress = np.abs(mean).reshape(-1, self.volumes).max(axis=1) + self.strength_at(mean)
         stress = np.maximum(stress, np.average(stress, weights=self.weights))
         return float(self.weights @ (stress * self.impossible(velocity)))
 
@@ -160,7 +160,7 @@ class DissipationGroup(Compact):
 
     def uses(self, stress: Floats, mean: Floats) -> Floats:
         """Share of what each cone carries at its pressure that stresses use, shape (m,)."""
-        size, most = np.linalg.norm(stress, axis=1), self.carried(mean)
+        size, most = np.linalg.norm(stress, axis=1), self.strength_at(mean)
         return np.asarray(size / np.where(most > 0, most, np.inf))
 
     def use(self, stress: Floats, mean: Floats) -> float:

@@ -191,7 +191,7 @@ class Surfaces(Compact):
         pressed = np.einsum("mkl,ml->mk", self.slope, mean.reshape(-1, self.volumes))
         return np.asarray(self.normed * size[:, None] + pressed)
 
-    def carried(self, mean: Floats) -> Floats:
+    def strength_at(self, mean: Floats) -> Floats:
         """Largest ``||s||`` beside p of shape (m L,), shape (m,), Pa; 0 beyond it."""
         room = self.strength - self.use(np.zeros(self.strength.shape[0]), mean)
         return np.asarray(np.maximum(room[:, self.normed > 0].min(axis=1), 0.0))

@@ -81,7 +81,7 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
         rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
         rates = rates.reshape(-1, corners, group.dim)
         # What a soil carries follows its pressure.
-        strength = group.carried(mean).reshape(-1, corners).mean(axis=1)
+        strength = group.strength_at(mean).reshape(-1, corners).mean(axis=1)
         whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
         varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
         own = whole if solid else np.sqrt(whole * np.maximum(varying, 0.0))
@@ -95,7 +95,7 @@ def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int
     The dissipation of a soil is linear in its strain rate (T38), and says nothing of it.
     """
     weighted = (group.weights[:, None] * rates).reshape(elements, -1, group.dim)
-    strength = group.carried(mean).reshape(elements, -1).mean(axis=1)
+    strength = group.strength_at(mean).reshape(elements, -1).mean(axis=1)
     whole = np.linalg.norm(weighted, axis=2).sum(axis=1)
     return np.asarray(strength * (whole - np.linalg.norm(weighted.sum(axis=1), axis=1)))
 

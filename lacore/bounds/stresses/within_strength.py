@@ -67,7 +67,7 @@ def _returned(program: KinematicProgram, state: ProgramState, times: float) -> P
     parts = zip(program.groups, state.stress, state.mean_stress, strict=True)
     stresses = []
     for group, stress, mean in parts:
-        size, most = np.linalg.norm(stress, axis=1), times * group.carried(mean)
+        size, most = np.linalg.norm(stress, axis=1), times * group.strength_at(mean)
         share = np.where(size > most, most / np.where(size > 0, size, 1.0), 1.0)
         stresses.append(share[:, None] * stress)
     return replace(state, stress=tuple(stresses))

@@ -29,10 +29,10 @@ from lacore.coupling.run import PATH, Iterate, Run
 from lacore.coupling.steps import (
     FALLS,
     alternate,
-    carries,
     closest,
     least_gap,
     mean,
+    proves_load,
     static_alone,
 )
 from lacore.numerics.arrays import Floats
@@ -100,7 +100,7 @@ def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
     for found in places:
         point = found.inner.point
         if point is None or run.free(found) or run.proven(found):
-            return found if carries(run, found) else None
+            return found if proves_load(run, found) else None
         closer = alternate(run, point, "K", 1, mean)
         if closer is not None:
             return closer

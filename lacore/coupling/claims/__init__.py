@@ -1,1 +1,1 @@
-"""What is claimed of a program without a load factor, proven: locked, unsafe, carried, free."""
+"""Proofs of states without a load factor: locked, unsafe, free, and stable under dead loads."""

@@ -1,11 +1,12 @@
-"""Whether a structure collapses under its dead load alone, whatever the load factor is (T13).
+"""Prove that a structure collapses under its dead load, whatever the load factor is (T13).
 
-No load factor keeps equilibrium if and only if a velocity that the reference load does not feel is
-driven by the dead load: ``F0.u = 0, Fd.u > D(u)``. A solver's word for it is no proof; the velocity
-is, and our own code judges it.
+No load factor keeps equilibrium if and only if the dead load drives a velocity at which the
+reference load has no power: ``F0.u = 0, Fd.u > D(u)``. The status that a solver reports does not
+prove it. The velocity does, and its residuals are recomputed here.
 """
 
 from dataclasses import dataclass, replace
+from warnings import warn
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
@@ -24,32 +25,47 @@ from lacore.solvers.inner.rigid_cleaning import cleaned
 
 @dataclass(frozen=True, repr=False)
 class DeadCollapse(Compact):
-    """Why a structure is unsafe: a mechanism by which the dead load falls, whatever is added (T13).
+    """Proof that a structure is unsafe: a mechanism that the dead load drives alone (T13).
 
     Attributes:
-        power: of the dead loads, ``Fd.u``, what holds contact shut among them: 1 but for round-off.
-        carried: ``D(u)``, the share of the dead load that this mechanism could carry, below 1.
-        felt: ``|F0.u|`` per sum of the sizes of F0 and largest velocity: 0 but for round-off.
-        impossible: the larger of penetration and divergence, as in `Certificate`.
-        point: its velocity, all unknowns, m/s, and no stresses or reactions.
+        power: Power of the dead loads ``Fd.u``, including the tension that holds contact shut:
+            1 up to round-off.
+        dissipated_share: Dissipation ``D(u)``, the share of the dead load that this mechanism could
+            carry, below 1.
+        felt: Power of the reference load ``|F0.u|`` divided by the sum of the sizes of F0 and by
+            the largest velocity: 0 up to round-off.
+        impossible: Larger of penetration and divergence, as in `Certificate`.
+        point: State with the velocity of all unknowns, m/s, and without stresses or reactions.
             ``dataclasses.replace(state, point=state.ray.point).velocity`` shows it by body.
     """
 
     power: float
-    carried: float
+    dissipated_share: float
     felt: float
     impossible: float
     point: ProgramState
 
     def proves(self, tolerance: float) -> bool:
-        """Whether nothing can carry the dead loads, by a bar for the residuals; false for NaN."""
+        """Whether nothing can carry the dead loads, given a tolerance for the residuals.
+
+        The result is false if a residual is NaN.
+        """
         residuals = (abs(self.power - 1), self.felt, self.impossible)
-        return all(value <= tolerance for value in residuals) and self.carried < 1 - tolerance
+        return (
+            all(value <= tolerance for value in residuals) and self.dissipated_share < 1 - tolerance
+        )
+
+    @property
+    def carried(self) -> float:
+        """Former name of `dissipated_share`."""
+        warn("carried is now dissipated_share", DeprecationWarning, stacklevel=2)
+        return self.dissipated_share
 
     def __str__(self) -> str:
         return (
-            f"dissipated {self.carried:.3g} of the power of the dead loads, power of the reference"
-            f" load {self.felt:.1e}, not possible {self.impossible:.1e}: a mechanism falls"
+            f"dissipated {self.dissipated_share:.3g} of the power of the dead loads, power of the"
+            f" reference load {self.felt:.1e}, not possible {self.impossible:.1e}: a mechanism"
+            " falls"
         )
 
 
@@ -59,13 +75,13 @@ def dead_collapse(
     prepare: Prepare,
     tolerance: float,
 ) -> DeadCollapse | None:
-    """The mechanism by which the dead load falls; None where none is found that proves it.
+    """Return a mechanism that the dead load drives; None if none is found that proves a collapse.
 
     Args:
-        program: dimensionless.
-        contact: of one solve; dilatant points for a statement of Coulomb friction.
-        prepare: sets an exact backend to work on a program.
-        tolerance: bar for the residuals of the velocity.
+        program: Dimensionless program.
+        contact: Frozen contact of one solve; dilatant contact for a statement on Coulomb friction.
+        prepare: Function that prepares an exact backend for a program.
+        tolerance: Tolerance for the residuals of the velocity.
     """
     if not np.any(program.dead_load):
         return None
@@ -88,7 +104,10 @@ def _judged(
     velocity: Floats,
     tolerance: float,
 ) -> DeadCollapse:
-    """The collapse by a velocity, cleaned of what penetrates, with its residuals, recomputed."""
+    """Return the collapse by a velocity, with recomputed residuals.
+
+    A velocity that penetrates contact is first replaced by one that does not.
+    """
     moving = ProgramState.unstressed(driven, velocity, 1.0)
     if not certify(driven, moving, frozen).penetration <= tolerance:
         moving = cleaned(driven, moving, frozen)
@@ -96,7 +115,8 @@ def _judged(
     load, fastest = np.abs(program.reference_load).sum(), np.abs(u).max() or 1.0
     return DeadCollapse(
         power=float(program.dead_load @ u),
-        carried=driven.plastic_dissipation(u) + driven.friction_dissipation(u, frozen.bound),
+        dissipated_share=driven.plastic_dissipation(u)
+        + driven.friction_dissipation(u, frozen.bound),
         felt=float(abs(program.reference_load @ u) / (load * fastest)),
         impossible=float(np.max([seen.penetration, seen.divergence])),
         point=ProgramState.unstressed(program, u, 0.0),
@@ -106,7 +126,10 @@ def _judged(
 def _driven(
     program: KinematicProgram, contact: FrozenContact
 ) -> tuple[KinematicProgram, FrozenContact]:
-    """The program driven by its dead load, with ``F0.u = 0`` as one more point, which sticks."""
+    """Return the program driven by its dead load, with ``F0.u = 0`` as one more contact point.
+
+    The additional point sticks.
+    """
     rows, n = program.contact, program.n
     held = csr_matrix(program.reference_load / np.abs(program.reference_load).sum())
     still = csr_matrix((rows.tangent_dim - 1, n))
@@ -131,7 +154,7 @@ def _driven(
         reference_load=program.dead_load,
         dead_load=np.zeros(n),
     )
-    # A row of zeros, strictly held: the point presses nothing.
+    # The normal row of the additional point is zero and its gap is open, so its pressure is zero.
     frozen = FrozenContact(
         more(contact.bound, np.inf), more(contact.dilatancy, 0.0), more(contact.shift, 1.0)
     )
@@ -143,7 +166,7 @@ def _by_cones(
     frozen: FrozenContact,
     prepare: Prepare,
 ) -> Floats | None:
-    """The velocity that dissipates least."""
+    """Return the velocity with the least dissipation."""
     solver = prepare(driven)
     try:
         point = checked_answer(driven, False, solver.solve(frozen)).point
@@ -153,9 +176,9 @@ def _by_cones(
 
 
 def _by_lines(driven: KinematicProgram, frozen: FrozenContact) -> Floats | None:
-    """The velocity of most power among those no faster than 1 in units of its parts.
+    """Return the velocity of the largest power among those of at most 1 in units of the parts.
 
-    A linear program that always has a solution, however far apart weights are.
+    This linear program always has a solution, however different the weights of the parts are.
     """
     loads = own_loads(driven, 1.0)
     units = PartUnits.of(driven, np.maximum(loads, loads[loads > 0].min()), None)

@@ -1,4 +1,4 @@
-"""LOCKED, UNSAFE and a jam are claims like a load factor: proven here, or not made (T13)."""
+"""Prove that a program is LOCKED, UNSAFE or jammed, or withdraw the claim (T13)."""
 
 from contextlib import closing
 
@@ -22,29 +22,31 @@ CLAIMED = (Status.LOCKED, Status.UNSAFE, Status.JAM)
 def prove_claim(
     status: Status,
     program: KinematicProgram,
-    admitting: FrozenContact,
-    carrying: FrozenContact,
+    kinematic_contact: FrozenContact,
+    static_contact: FrozenContact,
     prepare: Prepare,
     tolerance: float,
 ) -> tuple[Status, Finding | None, Ray | None]:
     """Return the status that is proven in place of a claim, why it differs, and its proof.
 
-    A structure is UNSAFE by a mechanism of its dead load, also where it was called locked or
-    jammed: what the load cannot move may stand beside what falls. It is LOCKED by reactions that
-    carry the reference load alone. A claim that neither proves is NOT_CERTIFIED.
+    A mechanism of the dead load proves UNSAFE, even if the loop reported LOCKED or JAM: a part that
+    the load cannot move may be next to a part that collapses. Reactions that carry the reference
+    load alone prove LOCKED. A claim without either proof becomes NOT_CERTIFIED.
 
     Args:
-        status: LOCKED, UNSAFE or JAM; any other is returned as it is.
-        program: dimensionless; soils whose flow is not associated carry what they would if it were.
-        admitting: contact whose velocities are admissible: that of the solve, or for a claim of
-            Coulomb friction one without any.
-        carrying: contact whose reactions are admissible: that of the solve, or the associated one.
-        prepare: sets an exact backend to work on a program.
-        tolerance: bar for the residuals of a velocity.
+        status: LOCKED, UNSAFE or JAM; any other status is returned unchanged.
+        program: Dimensionless program. Soils with non-associated flow are taken to carry what they
+            would carry with associated flow.
+        kinematic_contact: Contact that defines the admissible velocities: that of the solve, or
+            frictionless contact for a claim on Coulomb friction.
+        static_contact: Contact that defines the admissible reactions: that of the solve, or
+            associated contact.
+        prepare: Function that prepares an exact backend for a program.
+        tolerance: Tolerance for the residuals of a velocity.
     """
     if status not in CLAIMED:
         return status, None, None
-    collapse = dead_collapse(program.associated(), carrying, prepare, tolerance)
+    collapse = dead_collapse(program.associated(), static_contact, prepare, tolerance)
     if collapse is not None:
         return Status.UNSAFE, None, collapse
     if status is Status.JAM:
@@ -52,10 +54,10 @@ def prove_claim(
     if status is Status.UNSAFE:
         why = Finding(Kind.UNSAFE_NOT_PROVEN, severity=Severity.REASON)
         return Status.NOT_CERTIFIED, why, None
-    ray = locking_ray(program.at_friction(0.0), admitting)
+    ray = locking_ray(program.at_friction(0.0), kinematic_contact)
     if ray is not None and ray.proves:
         return status, None, ray
-    if refuted := _mechanism(program.at_friction(0.0), admitting, tolerance):
+    if refuted := _mechanism(program.at_friction(0.0), kinematic_contact, tolerance):
         return Status.NOT_CERTIFIED, refuted, None
     values = {"residual": np.nan if ray is None else ray.residual}
     why = Finding(Kind.LOCKED_NOT_PROVEN, values=values, severity=Severity.REASON)
@@ -67,7 +69,7 @@ def _mechanism(
 ) -> Finding | None:
     """Return how a mechanism refutes that the load is locked; None if none is found.
 
-    It is asked of lacore's own backend, not of the one that made the claim.
+    The mechanism is computed by lacore's own backend, not by the one that made the claim.
     """
     with closing(preparer_named(PROVING_BACKEND, {})(program)) as solver:
         point = checked_answer(program, False, solver.solve(contact)).point

@@ -186,7 +186,7 @@ def transfer_text(
     return f"{integral}, strains differ by up to {apart:.2e}"
 
 
-def carried(control: Control, stage: Stage, configuration: Configuration) -> Control:
+def control_on_new_mesh(control: Control, stage: Stage, configuration: Configuration) -> Control:
     """A control for new meshes: its point is where it has come to."""
     if not isinstance(control, PointTravel):
         return control
@@ -198,7 +198,7 @@ def carried(control: Control, stage: Stage, configuration: Configuration) -> Con
 def again(stage: Stage, control: Control, made: NewMeshes) -> tuple[Stage, Control]:
     """The stage and the control on meshes that were taken before."""
     at = Configuration(made.nodes, stage.start.strain)
-    return restaged(stage, at, made.meshes)[0], carried(control, stage, at)
+    return restaged(stage, at, made.meshes)[0], control_on_new_mesh(control, stage, at)
 
 
 def described(remesh: Remesh | None) -> object:

@@ -127,8 +127,8 @@ def test_a_weaker_soil_carries_less_at_any_pressure():
     own, other = program.groups[0], less.groups[0]
     for pressure in (0.0, 1.0, 1e3, -1.0):
         mean = np.full(own.weights.size, -pressure)
-        assert np.all(other.carried(mean) < own.carried(mean))
-        assert other.carried(mean) == pytest.approx(own.carried(mean), rel=1e-5)
+        assert np.all(other.strength_at(mean) < own.strength_at(mean))
+        assert other.strength_at(mean) == pytest.approx(own.strength_at(mean), rel=1e-5)
 
 
 def test_what_a_stress_lacks_is_its_excess_over_the_strength_of_a_surface():

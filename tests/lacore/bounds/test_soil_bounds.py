@@ -194,7 +194,7 @@ def test_a_margin_takes_of_friction_where_that_is_all_that_carries():
     (whole,), (less,) = program.groups, weaker(program, 1e-7).groups
     for pressure in (1e-3, 1.0, 1e3):
         mean = np.full(whole.weights.size, -pressure)
-        share = less.carried(mean) / whole.carried(mean)
+        share = less.strength_at(mean) / whole.strength_at(mean)
         assert np.all(share < 1 - 1e-7)
         assert np.all(share > 1 - 2e-5)  # at most 1e-5 of friction, and 1e-7 of cohesion
 

@@ -50,7 +50,7 @@ def yielding(own, pressure, hoop, corner):
         met = np.array([first, *p[1:]])
         if q >= 0 and (own.use(np.array([q]), met) <= own.strength + 1e-12).all():
             return float(q), met
-    return float(own.carried(p)[0]), p
+    return float(own.strength_at(p)[0]), p
 
 
 def flowing(own, multipliers):
@@ -100,7 +100,7 @@ def test_flow_by_other_slopes_is_refused(kinematics):
     """That of all of the friction, or against the rule, costs more than stresses do."""
     own = one_point(la.MohrCoulomb(1.0, PHI, dilation_angle=10.0), kinematics)
     p = np.array([-1.0, 0.2][: own.volumes])
-    q = float(own.carried(p)[0])
+    q = float(own.strength_at(p)[0])
     left = (own.strength - own.use(np.array([q]), p))[0]
     rubbing = np.abs(own.slope - own.flow)[0].max(axis=1) > 0
     lam = np.where((left <= 1e-12) & rubbing, 1.0, 0.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.coupling.claims.carrying import carrying
+from lacore.coupling.claims.dead_loads import prove_dead_loads
 from lacore.limit.conversion import point_in_program
 from lacore.limit.stability import stability_of
 from lacore.program.certificate import certify
@@ -207,13 +207,13 @@ def proof(problem, solver_of=None):
         solver = backend.prepare(p, backend.Options())
         return solver if solver_of is None else solver_of(solver)
 
-    return d, program, carrying(program, associated_contact(program.contact), prepare, BAR)
+    return d, program, prove_dead_loads(program, associated_contact(program.contact), prepare, BAR)
 
 
 def test_the_mechanism_of_a_fall_takes_less_power_than_the_dead_load_has():
     _, program, found = proof(on_slope(0.3, (1, 0)))
-    u = found.falling.velocity
-    assert found.carried is None
+    u = found.mechanism.velocity
+    assert found.equilibrium is None
     assert program.dead_load @ u == pytest.approx(1, rel=1e-9)
     slip, opening = program.contact.slip(u)[:, 0], program.contact.opening(u)
     assert (opening >= 0.3 * np.abs(slip) - 1e-7 * np.abs(u).max()).all()  # associated
@@ -221,9 +221,9 @@ def test_the_mechanism_of_a_fall_takes_less_power_than_the_dead_load_has():
 
 def test_what_is_carried_is_in_equilibrium():
     _, program, found = proof(deformable_block(0.5))
-    seen = certify(program, found.carried)
+    seen = certify(program, found.equilibrium)
     assert max(seen.equilibrium, seen.yield_violation, seen.cone) <= BAR
-    assert found.carried.load_factor == 0
+    assert found.equilibrium.load_factor == 0
     assert found.residual == max(seen.equilibrium, seen.yield_violation, seen.cone)
 
 
@@ -254,8 +254,8 @@ class Spoiling:
 )
 def test_reactions_that_do_not_carry_prove_nothing(change):
     _, _, found = proof(on_slope(0.7, (1, 0)), lambda solver: Spoiling(solver, change))
-    assert found.carried is None
-    assert found.falling is None
+    assert found.equilibrium is None
+    assert found.mechanism is None
     assert np.isnan(found.residual)
 
 
@@ -270,21 +270,21 @@ def test_reactions_that_do_not_carry_prove_nothing(change):
 )
 def test_motions_that_are_no_fall_prove_nothing(change):
     _, _, found = proof(on_slope(0.3, (1, 0)), lambda solver: Spoiling(solver, change))
-    assert found.carried is None
-    assert found.falling is None
+    assert found.equilibrium is None
+    assert found.mechanism is None
 
 
 def test_a_fall_that_takes_more_power_than_it_gives_is_none():
     """The mechanism of a column twice as heavy proves nothing of this one."""
     _, _, heavy = proof(column(8.0))
-    fall = heavy.falling.velocity
+    fall = heavy.mechanism.velocity
 
     def change(point):
         return replace(point, load_factor=0.0, velocity=np.append(fall, 0.0))
 
     _, _, found = proof(column(1.0), lambda solver: Spoiling(solver, change))
-    assert found.carried is None
-    assert found.falling is None
+    assert found.equilibrium is None
+    assert found.mechanism is None
 
 
 class Silent:
@@ -299,7 +299,7 @@ class Silent:
 
 def test_nothing_is_decided_without_an_answer():
     _, _, found = proof(on_slope(0.3, (1, 0)), lambda _: Silent())
-    assert found.carried is found.falling is None
+    assert found.equilibrium is found.mechanism is None
 
 
 def test_the_state_of_a_fall_reads_back():

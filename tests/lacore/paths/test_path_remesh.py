@@ -16,7 +16,7 @@ from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
 from lacore.paths.logbook import Log, peak
 from lacore.paths.path import PathStep
-from lacore.paths.renewal.remeshing import NewMeshes, carried, restaged
+from lacore.paths.renewal.remeshing import NewMeshes, control_on_new_mesh, restaged
 from lacore.paths.renewal.transfer import transferred
 from lacore.paths.stage import staged
 from lacore.reporting.errors import InputError
@@ -316,9 +316,9 @@ def test_a_control_point_goes_along():
     stage = staged(*billet())
     moved = {"billet": stage.start.nodes["billet"] * [[1.1], [0.9]]}
     control = la.PointTravel("billet", (1, 0.5), (1, 0))
-    after = carried(control, stage, Configuration(moved, stage.start.strain))
+    after = control_on_new_mesh(control, stage, Configuration(moved, stage.start.strain))
     assert after.at == pytest.approx((1.1, 0.45))
-    assert carried(la.Time(), stage, stage.start) == la.Time()
+    assert control_on_new_mesh(la.Time(), stage, stage.start) == la.Time()
 
 
 @pytest.mark.slow

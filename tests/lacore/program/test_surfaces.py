@@ -180,7 +180,7 @@ def test_each_surface_is_judged_by_its_own_strength():
     """Beside a strength of 1e8 in crushing, a tenth too much for a cohesion of 1 is a tenth."""
     form = la.MohrCoulomb(1.0, 30, crushing=1e8).conic_form("plane_strain")
     own = form.surfaces_of(np.zeros(1, dtype=int))
-    most = own.carried(np.zeros(1))
+    most = own.strength_at(np.zeros(1))
     assert own.beyond(1.1 * most, np.zeros(1)) == pytest.approx(0.1)
 
 
@@ -251,6 +251,6 @@ def test_flow_that_is_not_possible_counts_where_no_stress_acts():
         "sand", rows, 2, np.ones(2), np.zeros(2), csr_matrix((2, 1)), 0.0, surfaces=sand
     )
     mean = np.array([-1.0, 0.0])
-    pressed = 1.0 + group.carried(mean)[0]
+    pressed = 1.0 + group.strength_at(mean)[0]
     assert group.impossible(np.ones(1)) == pytest.approx([0.0, 0.5])
     assert group.taken(np.ones(1), mean) == pytest.approx(pressed / 2 * 0.5)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.coupling.claims.carrying import _residual_of_fall, carrying
 from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
+from lacore.coupling.claims.dead_loads import _mechanism_residual, prove_dead_loads
 from lacore.coupling.claims.free_motion import without_dissipation
 from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, locking_ray
 from lacore.program.kinematic import associated_contact, reaction_contact
@@ -20,7 +20,9 @@ from tests.lacore.coupling.claims.test_rays import in_a_box
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
 
 TOLERANCE = 1e-6
-FALLING = DeadCollapse(power=1.0, carried=0.5, felt=0.0, impossible=0.0, point=sliding()[1])
+FALLING = DeadCollapse(
+    power=1.0, dissipated_share=0.5, felt=0.0, impossible=0.0, point=sliding()[1]
+)
 
 
 def test_a_mechanism_that_the_dead_load_drives_proves_a_collapse():
@@ -30,8 +32,8 @@ def test_a_mechanism_that_the_dead_load_drives_proves_a_collapse():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"carried": 1.0},  # as much is dissipated: the structure stands, just
-        {"carried": 1.0 - TOLERANCE / 2},
+        {"dissipated_share": 1.0},  # as much is dissipated: the structure stands, just
+        {"dissipated_share": 1.0 - TOLERANCE / 2},
         {"power": 1.0 + 2 * TOLERANCE},
         {"power": 1.0 - 2 * TOLERANCE},
         {"felt": 2 * TOLERANCE},
@@ -145,14 +147,14 @@ def answering(change):
 def stood(friction, change=lambda point: point):
     """Whether a block under its own weight stands on a slope of 0.3 rad."""
     program, contact = frozen(on_incline(0.3, friction, push=(1.0, 0.0), weight=2.0))
-    return program, carrying(program, contact, answering(change), TOLERANCE)
+    return program, prove_dead_loads(program, contact, answering(change), TOLERANCE)
 
 
 def test_a_block_carries_its_weight_on_a_slope_below_the_angle_of_friction():
     program, found = stood(0.4)
-    assert found.falling is None
+    assert found.mechanism is None
     rows, weight = program.contact, float(np.abs(program.dead_load).sum())
-    point = found.carried
+    point = found.equilibrium
     pressed, rubbed = (
         float(rows.weights @ own)
         for own in (point.normal_reaction, point.tangential_reaction[:, 0])
@@ -164,8 +166,8 @@ def test_a_block_carries_its_weight_on_a_slope_below_the_angle_of_friction():
 def test_a_block_slides_down_a_slope_above_the_angle_of_friction():
     """Dilation of 0.2 on a slope of tan 0.31: it falls by the difference, and nothing is taken."""
     program, found = stood(0.2)
-    assert found.carried is None
-    velocity = found.falling.velocity
+    assert found.equilibrium is None
+    velocity = found.mechanism.velocity
     assert program.dead_load @ velocity == pytest.approx(1.0)
     slip, opening = program.contact.slip(velocity)[:, 0], program.contact.opening(velocity)
     assert np.all(opening >= 0.2 * np.abs(slip) * (1 - 1e-5))
@@ -191,7 +193,7 @@ def off(**changes):
 )
 def test_answers_that_are_wrong_prove_nothing(friction, change):
     found = stood(friction, change)[1]
-    assert (found.carried, found.falling) == (None, None)
+    assert (found.equilibrium, found.mechanism) == (None, None)
     assert np.isnan(found.residual)
 
 
@@ -205,10 +207,10 @@ def test_a_mechanism_that_dissipates_the_dead_power_is_no_fall():
     ):
         pull = 2.0 * np.sin(0.3)  # the base is 1 m long
         program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
-        along = stood(0.2)[1].falling  # some state, with the velocity of the slope
+        along = stood(0.2)[1].mechanism  # some state, with the velocity of the slope
         direction = slide_of(program)
         falling = replace(along, velocity=direction / float(program.dead_load @ direction))
-        residual = _residual_of_fall(program, contact, falling, TOLERANCE)
+        residual = _mechanism_residual(program, contact, falling, TOLERANCE)
         assert (residual <= TOLERANCE) == falls
 
 
@@ -226,12 +228,12 @@ def test_a_base_carries_a_block_from_its_pull_on(share):
     """A limit of friction, of a share of what pulls a block down a slope: it falls below 1."""
     pull = 2.0 * np.sin(0.3)  # the base is 1 m long
     program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
-    found = carrying(program, contact, preparer_named("clarabel", {}), TOLERANCE)
-    assert (found.carried is not None) == (share > 1)
-    assert (found.falling is not None) == (share < 1)
+    found = prove_dead_loads(program, contact, preparer_named("clarabel", {}), TOLERANCE)
+    assert (found.equilibrium is not None) == (share > 1)
+    assert (found.mechanism is not None) == (share < 1)
     assert found.residual <= TOLERANCE
     if share < 1:  # its stresses carry that share of the dead load
-        rubbed = program.contact.weights @ found.falling.tangential_reaction[:, 0]
+        rubbed = program.contact.weights @ found.mechanism.tangential_reaction[:, 0]
         weight = float(np.abs(program.dead_load).sum())
         assert abs(rubbed) == pytest.approx(share * weight * np.sin(0.3), rel=1e-5)
 
@@ -263,7 +265,7 @@ def test_a_collapse_is_proven_by_what_its_mechanism_dissipates(share):
     found = dead_collapse(still, contact, preparer_named("clarabel", {}), TOLERANCE)
     assert (found is not None) == (share < 1)
     if found is not None:
-        assert found.carried == pytest.approx(share, rel=1e-6)
+        assert found.dissipated_share == pytest.approx(share, rel=1e-6)
         assert found.power == pytest.approx(1.0)
         assert found.felt <= TOLERANCE
 
@@ -288,7 +290,7 @@ def test_a_column_is_crushed_by_its_weight_beyond_the_strength(share):
     found = dead_collapse(program, contact, preparer_named("clarabel", {}), TOLERANCE)
     assert (found is not None) == (share < 1)
     if found is not None:
-        assert found.carried == pytest.approx(share, rel=1e-5)
+        assert found.dissipated_share == pytest.approx(share, rel=1e-5)
 
 
 @pytest.mark.parametrize(("reaction", "free"), [(1e-9, True), (1e-4, False), (1.0, False)])
@@ -325,4 +327,9 @@ def test_a_collapse_by_lines_needs_no_cones():
     still = replace(program, reference_load=across(program))
     found = dead_collapse(still, contact, answerless, TOLERANCE)
     assert found.proves(TOLERANCE)
-    assert found.carried == pytest.approx(0.3 / (2 * np.sin(0.3)))
+    assert found.dissipated_share == pytest.approx(0.3 / (2 * np.sin(0.3)))
+
+
+def test_the_former_name_of_the_dissipated_share_warns_and_works():
+    with pytest.warns(DeprecationWarning, match="dissipated_share"):
+        assert FALLING.carried == FALLING.dissipated_share

@@ -157,7 +157,7 @@ def test_a_slope_that_is_too_steep_keeps_its_mechanism():
     (sand,) = full.groups
     size, growth = np.linalg.norm(sand.cone_vectors(u), axis=1), sand.volumetric @ u
     assert np.max(size / 2 - growth) <= state.tolerance * size.max()
-    assert state.ray.carried <= state.tolerance
+    assert state.ray.dissipated_share <= state.tolerance
     assert "dissipated" in str(state)
 
 
@@ -185,7 +185,7 @@ def test_nothing_that_is_nan_proves_anything():
     for name in ("residual", "beyond", "release"):
         assert not replace(locked, **{name: np.nan}).proves
     unsafe = la.solve(slope()).ray
-    for name in ("power", "carried", "felt", "impossible"):
+    for name in ("power", "dissipated_share", "felt", "impossible"):
         assert not replace(unsafe, **{name: np.nan}).proves(1e-6)
 
 

@@ -110,7 +110,7 @@ def test_cones_of_elements_lie_within_and_around_all_of_them(cohesion):
         mean = c / np.tan(phi) - rng.exponential(3.0, elements.size) * rng.integers(0, 2)
         there = c * np.cos(phi) - np.sin(phi) * mean
         within, around = (
-            own.surfaces_of(elements).carried(mean) for own in (region.within, region.form)
+            own.surfaces_of(elements).strength_at(mean) for own in (region.within, region.form)
         )
         assert np.all(within <= there + 1e-12)
         assert np.all(around >= there - 1e-12)
