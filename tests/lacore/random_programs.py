@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program.state import ProgramState
 from lacore.program.surfaces import Surfaces
 
 N, CONES, POINTS = 9, 4, 3
@@ -77,4 +78,21 @@ def random_soil(seed):
 def frozen(bound, dilatancy=0.0, shift=0.0):
     return FrozenContact(
         *(np.broadcast_to(np.asarray(v, float), POINTS).copy() for v in (bound, dilatancy, shift))
+    )
+
+
+def random_state(program, rng):
+    """A state that is wrong in everything."""
+
+    def drawn(*shape):
+        return rng.uniform(-1, 1, shape)
+
+    groups, points = program.groups, program.contact.count
+    return ProgramState(
+        velocity=drawn(program.n),
+        load_factor=float(rng.uniform(-1, 1)),
+        stress=tuple(drawn(group.weights.size, group.dim) for group in groups),
+        mean_stress=tuple(drawn(group.weights.size * group.volumes) for group in groups),
+        normal_reaction=drawn(points),
+        tangential_reaction=drawn(points, program.contact.tangent_dim),
     )

@@ -149,8 +149,8 @@ def main() -> int:
     if given.list:
         print(*mutants, sep="\n")
         return 0
-    missed = []
-    possible = [own for own in mutants if not own.equivalent]
+    missed, equivalent = [], {own.key for own in mutants if own.equivalent}
+    possible = [own for own in mutants if own.key not in equivalent]
     for mutant, found, seconds in judged(possible, given.records):
         print(f"{found:11}  {seconds:5.0f} s  {mutant}", flush=True)
         missed += [mutant] if found in (MISSED, FAILING) else []

@@ -11,7 +11,6 @@ import lacore as la
 from lacore.coupling.bounds import kinematic_load_factor
 from lacore.program.certificate import certify
 from lacore.program.kinematic import Scales, associated_contact, dimensionless
-from lacore.program.state import ProgramState
 from lacore_verification.cases.strip_footing_gamma import CASE as SAND
 from tests.lacore.models import deformable_block
 from tests.lacore.planted import (
@@ -28,6 +27,7 @@ from tests.lacore.random_programs import (
     N,
     random_program,
     random_soil,
+    random_state,
     random_step,
 )
 
@@ -330,23 +330,6 @@ def test_what_swells_is_as_large_as_the_strain_rate_lets_it_count():
 
 def wider(x):
     return np.stack([1.5 * x[0], -x[1]])
-
-
-def random_state(program, rng):
-    """A state that is wrong in everything."""
-
-    def drawn(*shape):
-        return rng.uniform(-1, 1, shape)
-
-    groups, points = program.groups, program.contact.count
-    return ProgramState(
-        velocity=drawn(program.n),
-        load_factor=float(rng.uniform(-1, 1)),
-        stress=tuple(drawn(group.weights.size, group.dim) for group in groups),
-        mean_stress=tuple(drawn(group.weights.size * group.volumes) for group in groups),
-        normal_reaction=drawn(points),
-        tangential_reaction=drawn(points, program.contact.tangent_dim),
-    )
 
 
 def in_units(state, scales):

@@ -1,0 +1,191 @@
+"""Residuals of a certificate in closed form, and what they must not depend on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_matrix, diags_array
+
+import lacore as la
+from lacore.program.certificate import certify
+from lacore.program.kinematic import (
+    ContactRows,
+    DissipationGroup,
+    FrozenContact,
+    KinematicProgram,
+    associated_contact,
+)
+from lacore.program.state import ProgramState
+from tests.lacore.planted import P0, sliding
+from tests.lacore.random_programs import (
+    N,
+    random_program,
+    random_soil,
+    random_state,
+    random_step,
+)
+
+
+def pushed_weight():
+    """A rigid weight of 8 N on two patches of 1 and 3 m^2, pushed by 2 N against a spring of 1 N.
+
+    The unknowns are its velocities along x and y. The spring strains at the velocity along x.
+    """
+    along, up = csr_matrix([[1.0, 0.0]] * 2), csr_matrix([[0.0, 1.0]] * 2)
+    spring = DissipationGroup(
+        name="spring",
+        rows=csr_matrix([[1.0, 0.0]]),
+        dim=1,
+        weights=np.array([2.0]),
+        bound=np.array([0.5]),
+        volumetric=csr_matrix((1, 2)),
+        volumetric_factor=0.0,
+    )
+    contact = ContactRows(
+        normal=up,
+        tangential=along,
+        tangent_dim=1,
+        weights=np.array([1.0, 3.0]),
+        coefficient=np.full(2, 0.5),
+        limit=np.zeros(2),
+        dilatancy=np.zeros(2),
+        interface=np.zeros(2, dtype=int),
+    )
+    return KinematicProgram((spring,), contact, np.array([2.0, 0.0]), np.array([0.0, -8.0]))
+
+
+def wrong_state(load_factor=3.0, stress=0.4):
+    """A state of the weight that breaks each law by a size of its own."""
+    return ProgramState(
+        velocity=np.array([0.6, -0.1]),
+        load_factor=load_factor,
+        stress=(np.array([[stress]]),),
+        mean_stress=(np.zeros(1),),
+        normal_reaction=np.array([1.0, 2.0]),
+        tangential_reaction=np.array([[-0.7], [-0.8]]),
+    )
+
+
+def test_residuals_of_coulomb_friction_in_closed_form():
+    seen = certify(pushed_weight(), wrong_state())
+    # Dissipation of the spring and of friction, and the power of the weight that sinks.
+    power = 2 * 0.5 * 0.6 + (1 * 0.5 + 3 * 1.0) * 0.6 + 8 * 0.1
+    assert seen.equilibrium == pytest.approx((6 - 0.8 - 0.7 - 3 * 0.8) / (3 * 2 + 8))
+    assert seen.yield_violation == 0.0
+    # 0.2 Pa beyond the cone, compared with the loads over the contact area.
+    assert seen.cone == pytest.approx((0.7 - 0.5) / (14 / 4))
+    assert seen.penetration == pytest.approx(0.1 / 0.6)
+    assert seen.divergence == 0.0
+    assert seen.normalisation == pytest.approx(2 * 0.6 - 1)
+    assert seen.flow == pytest.approx(2 * (0.5 - 0.4) * 0.6 / power)
+    contact = (0.3 - 0.1 - 0.42, 3 * (0.6 - 0.2 - 0.48))
+    assert seen.slip == pytest.approx(-sum(contact) / power)
+    assert seen.gap == pytest.approx((3 + 0.8 - 0.6 - 2.1) / power)
+    assert seen.load == pytest.approx((2.1 * 0.6 + 1.0 * 0.1 - sum(contact)) / power)
+
+
+def test_residuals_of_frozen_contact_in_closed_form():
+    """Bounds, dilatancies and shifts of one solve take the place of the laws."""
+    contact = FrozenContact(np.array([0.2, 0.0]), np.array([0.25, 0.5]), np.array([0.05, 0.1]))
+    seen = certify(pushed_weight(), wrong_state(), contact)
+    lifted = (0.25 * 1 + 3 * 0.5 * 2) * 0.6
+    dissipated = 0.6 + 0.2 * 0.6
+    power = dissipated + lifted + 0.8
+    assert seen.cone == pytest.approx((0.7 - 0.2 - 0.25) / (14 / 4))
+    assert seen.penetration == pytest.approx(0.5 * 0.6 / 0.6)
+    assert seen.slip == pytest.approx((0.42 + 0.05 - 0.12 + 3 * 0.48) / power)
+    by_shift = 1 * 1 * 0.05 + 3 * 2 * 0.1
+    assert seen.gap == pytest.approx((3 + 0.8 - dissipated - by_shift) / power)
+
+
+def test_a_load_factor_below_the_power_of_the_velocity_is_off_by_gap_and_penetration():
+    """The stress of the spring balances the forces along x, far beyond its strength."""
+    seen = certify(pushed_weight(), wrong_state(load_factor=-3.0, stress=-4.55))
+    power = 3.5
+    gap = 0.6 + 2.1 - 0.8 + 3
+    penetrating = 0.1 * (np.hypot(1, 0.7) + 3 * np.hypot(2, 0.8))
+    assert seen.yield_violation == pytest.approx(4.55 / 0.5 - 1)
+    assert seen.gap == pytest.approx(gap / power)
+    assert seen.load == pytest.approx((gap + penetrating) / power)
+
+
+def test_a_state_at_rest_without_loads_leaves_no_residual_but_the_power_of_the_load():
+    d, _ = sliding()
+    program = replace(d.program, reference_load=0 * d.program.reference_load)
+    program = replace(program, dead_load=0 * program.dead_load)
+    seen = certify(program, ProgramState.unstressed(program, np.zeros(program.n), 0.0))
+    assert seen.worst == ("normalisation", 1.0)
+    assert sum(vars(seen).values()) == 1.0
+
+
+def test_tension_at_one_point_without_friction_is_outside_the_cone():
+    d, state = sliding()
+    normal, tangential = state.normal_reaction.copy(), state.tangential_reaction.copy()
+    normal[1], tangential[1] = -0.01 * P0, 0.0
+    wrong = replace(state, normal_reaction=normal, tangential_reaction=tangential)
+    largest = np.hypot(normal, tangential[:, 0]).max()
+    seen = certify(d.program, wrong)
+    # The loads over the contact length are more than any reaction.
+    forces = abs(state.load_factor) * np.abs(d.program.reference_load).sum()
+    forces += np.abs(d.program.dead_load).sum()
+    reaction = max(largest, forces / d.program.contact.weights.sum())
+    assert seen.cone == pytest.approx(0.01 * P0 / reaction)
+
+
+@given(seed=st.integers(0, 10**6), kind=st.sampled_from([random_program, random_step, random_soil]))
+def test_no_residual_depends_on_the_direction_of_axes(seed, kind):
+    """The sign of an unknown, of its loads and of the rows that it moves is a convention."""
+    rng = np.random.default_rng(seed)
+    program = replace(kind(seed), parts=np.repeat([0, 1, 2], N // 3))
+    state = random_state(program, rng)
+    signs = rng.choice([-1.0, 1.0], N)
+    turn = diags_array(signs)
+    turned = replace(
+        program,
+        groups=tuple(
+            replace(g, rows=csr_matrix(g.rows @ turn), volumetric=csr_matrix(g.volumetric @ turn))
+            for g in program.groups
+        ),
+        contact=replace(
+            program.contact,
+            normal=csr_matrix(program.contact.normal @ turn),
+            tangential=csr_matrix(program.contact.tangential @ turn),
+        ),
+        reference_load=signs * program.reference_load,
+        dead_load=signs * program.dead_load,
+    )
+    other = replace(state, velocity=signs * state.velocity)
+    contact = associated_contact(program.contact)
+    for law in (None, contact):
+        one, two = certify(program, state, law), certify(turned, other, law)
+        for name, size in vars(one).items():
+            assert getattr(two, name) == pytest.approx(size, rel=1e-12), name
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_all_parts_of_a_rigid_motion_count_as_fast_whatever_their_direction(sign):
+    """The largest velocity is the scale of penetration, also where it is negative."""
+    program = pushed_weight()
+    turned = replace(
+        program,
+        reference_load=sign * program.reference_load,
+        contact=replace(program.contact, tangential=sign * program.contact.tangential),
+    )
+    state = wrong_state()
+    velocity = np.array([sign * 0.6, -0.1])
+    assert certify(turned, replace(state, velocity=velocity)).penetration == pytest.approx(1 / 6)
+
+
+def test_a_state_of_another_program_is_rejected():
+    d, state = sliding()
+    for name in ("velocity", "normal_reaction", "tangential_reaction"):
+        other = replace(state, **{name: getattr(state, name)[1:]})
+        with pytest.raises(la.InputError, match=f"{name} of shape"):
+            certify(d.program, other)
+    for name in ("stress", "mean_stress"):
+        with pytest.raises(la.InputError, match=f"{name} of 'block' of shape"):
+            certify(d.program, replace(state, **{name: (getattr(state, name)[0][1:],)}))
+        with pytest.raises(la.InputError, match="0 of 1 groups|1 of 1 groups"):
+            certify(d.program, replace(state, **{name: ()}))
