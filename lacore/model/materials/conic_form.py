@@ -48,7 +48,8 @@ class ConicForm(Compact):
             elements, or of each, (elements,), or as a function of place.
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
             norm of the three-dimensional strain rate deviator also where theta is not zero: the
-            regularised dissipation (T17) sees that deviator.
+            regularised dissipation (T17) sees that deviator. It is 0 where the rows have no part of
+            theta, and has no effect on forms with surfaces.
         surfaces: that depend on pressure (T39, T40); none: ``||s|| <= bound`` is all there is.
         out_of_plane: sigma_zz per mean stress: 1 in plane strain, 0 in plane stress.
         out_of_rows: sigma_zz per conjugate stress besides, of rows that feel it, shape (dim,).
@@ -57,7 +58,7 @@ class ConicForm(Compact):
     rows: Floats
     volumetric: Floats
     bound: Strengths
-    volumetric_factor: float
+    volumetric_factor: float = 0.0
     surfaces: tuple[Surface, ...] = ()
     out_of_plane: float = 1.0
     out_of_rows: tuple[float, ...] = ()
@@ -235,7 +236,6 @@ class ConicForm(Compact):
             rows=np.eye(axes.size)[1:],
             volumetric=np.eye(axes.size)[:1],
             bound=self.bound / cosine,
-            volumetric_factor=0.0,
             surfaces=(Surface((slope,), strength),),
         )
 

@@ -192,7 +192,6 @@ class DruckerPrager(Compact):
                 rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0], [third, third, 0.0]]),
                 volumetric=np.array([[1.0, 1.0, 0.0]]),
                 bound=k,
-                volumetric_factor=0.0,
                 surfaces=own,
                 out_of_rows=(0.0, 0.0, -2 * third),
             )
@@ -218,7 +217,6 @@ class DruckerPrager(Compact):
             rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0], [sqrt(3) / m, sqrt(3) / m, 0.0]]),
             volumetric=np.array([[1.0, 1.0, 0.0]]),
             bound=k,
-            volumetric_factor=0.0,
             surfaces=tuple(
                 Surface((sign * m / sqrt(3),), k / m - sign * linear)  # type: ignore[operator]
                 for sign in (1.0, -1.0)

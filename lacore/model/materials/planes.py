@@ -22,7 +22,7 @@ from lacore.reporting.text import Quantity, text
 Slope = float | Floats
 """Of all elements, or of each."""
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
-_LEAST_WHOLE, _WHOLE = 6, 2e-3  # degrees: what is within this of a whole angle, in radians
+_WHOLE = 2e-3  # degrees: what is within this of a whole angle, in radians
 
 
 def planes_form(
@@ -66,7 +66,6 @@ def planes_form(
         rows=rows,
         volumetric=volumes,
         bound=_least(limits),
-        volumetric_factor=0.0,
         surfaces=surfaces,
         out_of_plane=0.0 if kinematics == "plane_stress" else 1.0,
     )
@@ -171,7 +170,7 @@ def require_angle(field: str, value: float) -> None:
             field, value, "a plane that is all but level, which no solver tells from one", "take 0"
         )
     whole = round(degrees(value))
-    if value < pi / 2 and whole >= _LEAST_WHOLE and _is_in_radians(value, whole):
+    if 0 < value < pi / 2 and _is_in_radians(value, whole):
         raise InputError(
             field,
             value,

@@ -131,7 +131,6 @@ class VonMises(Compact):
                 rows=rows,
                 volumetric=np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
                 bound=self.k,
-                volumetric_factor=0.0,  # the rows have no part of theta
             )
         if kinematics == "axisymmetric":
             share = 1 / sqrt(3)
@@ -139,14 +138,12 @@ class VonMises(Compact):
                 rows=np.array([[1, -1, 0, 0], [share, share, -2 * share, 0], [0, 0, 0, 1]]),
                 volumetric=np.array([1.0, 1.0, 1.0, 0.0]),
                 bound=self.k,
-                volumetric_factor=0.0,  # the rows have no part of theta
             )
         if kinematics == "plane_stress":
             return ConicForm(
                 rows=np.array([[2.0, 1.0, 0.0], [0.0, sqrt(3), 0.0], [0.0, 0.0, 1.0]]),
                 volumetric=np.zeros(3),
                 bound=self.k,
-                volumetric_factor=0.0,
                 out_of_plane=0.0,
             )
         return ConicForm(

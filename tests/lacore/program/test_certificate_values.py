@@ -189,3 +189,13 @@ def test_a_state_of_another_program_is_rejected():
             certify(d.program, replace(state, **{name: (getattr(state, name)[0][1:],)}))
         with pytest.raises(la.InputError, match="0 of 1 groups|1 of 1 groups"):
             certify(d.program, replace(state, **{name: ()}))
+
+
+@pytest.mark.parametrize(("up", "penetration"), [(-0.1, 0.2), (0.1, 0.0)])
+def test_points_that_stick_may_open_and_not_penetrate(up, penetration):
+    """Where the velocity along the patches is zero, next to one of 0.5 that nothing touches."""
+    program = pushed_weight()
+    rows = replace(program.contact, tangential=0 * program.contact.tangential)
+    stuck = replace(program, contact=replace(rows, limit=np.full(2, np.inf)))
+    state = replace(wrong_state(), velocity=np.array([0.5, up]))
+    assert certify(stuck, state).penetration == pytest.approx(penetration)
