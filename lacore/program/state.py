@@ -101,8 +101,9 @@ def shapes(
 def misfit(program: KinematicProgram, state: ProgramState) -> str:
     """What of a state has other shapes than those of a program; empty where nothing has."""
     groups = len(program.groups)
-    if not len(state.stress) == len(state.mean_stress) == groups:
-        return f"stresses for {len(state.stress)} of {groups} groups"
+    for given in (state.stress, state.mean_stress):
+        if len(given) != groups:
+            return f"stresses for {len(given)} of {groups} groups"
     for name, values, shape in shapes(program, state):
         own = np.asarray(values).shape
         if own != shape:

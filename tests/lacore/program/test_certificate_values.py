@@ -187,7 +187,7 @@ def test_a_state_of_another_program_is_rejected():
     for name in ("stress", "mean_stress"):
         with pytest.raises(la.InputError, match=f"{name} of 'block' of shape"):
             certify(d.program, replace(state, **{name: (getattr(state, name)[0][1:],)}))
-        with pytest.raises(la.InputError, match="0 of 1 groups|1 of 1 groups"):
+        with pytest.raises(la.InputError, match="stresses for 0 of 1 groups"):
             certify(d.program, replace(state, **{name: ()}))
 
 
