@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.sparse import csr_matrix, diags_array
+from scipy.sparse import block_diag, csr_matrix, diags_array
 
 import lacore as la
 from lacore.program.certificate import certify
@@ -199,3 +199,43 @@ def test_points_that_stick_may_open_and_not_penetrate(up, penetration):
     stuck = replace(program, contact=replace(rows, limit=np.full(2, np.inf)))
     state = replace(wrong_state(), velocity=np.array([0.5, up]))
     assert certify(stuck, state).penetration == pytest.approx(penetration)
+
+
+@pytest.mark.parametrize(
+    ("normal", "along", "share"), [(-0.02, 0.0, 0.002 / 0.012), (0.02, 0.03, 0.002 / 0.015)]
+)
+def test_forces_outside_the_cone_of_a_light_part_count_by_its_own_forces(normal, along, share):
+    """A chip of 0.01 N on 0.1 m^2: tension, or 0.02 Pa of shear beyond what 0.02 Pa carry."""
+    weight, state = pushed_weight(), wrong_state()
+    rows = weight.contact
+    chip = csr_matrix([[1.0, 0.0]]), csr_matrix([[0.0, 1.0]])
+    (spring,) = weight.groups
+    program = KinematicProgram(
+        (
+            replace(
+                spring,
+                rows=csr_matrix([[1.0, 0.0, 0.0, 0.0]]),
+                volumetric=csr_matrix((1, 4)),
+            ),
+        ),
+        replace(
+            rows,
+            normal=csr_matrix(block_diag([rows.normal, chip[1]])),
+            tangential=csr_matrix(block_diag([rows.tangential, chip[0]])),
+            weights=np.append(rows.weights, 0.1),
+            coefficient=np.full(3, 0.5),
+            limit=np.zeros(3),
+            dilatancy=np.zeros(3),
+            interface=np.zeros(3, dtype=int),
+        ),
+        np.append(weight.reference_load, [0.0, 0.0]),
+        np.append(weight.dead_load, [0.0, -0.01]),
+        parts=np.array([0, 0, 1, 1]),
+    )
+    both = replace(
+        state,
+        velocity=np.append(state.velocity, [0.0, 0.0]),
+        normal_reaction=np.append([4.0, 4.0], normal),
+        tangential_reaction=np.array([[-0.1], [-0.1], [along]]),
+    )
+    assert certify(program, both).cone == pytest.approx(share)
