@@ -7,8 +7,6 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from lacore.analyses.places import fixed_places, places
 from lacore.model.bodies.any_body import AnyBody, of_kind
 from lacore.model.bodies.blocks.block_assembly import BlockAssembly
@@ -17,8 +15,9 @@ from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.frames.frame import Frame
 from lacore.model.bodies.frames.section import Section
 from lacore.model.conditions.body_forces import BodyForce
-from lacore.model.conditions.footings import RigidFooting, Twist
-from lacore.model.conditions.loads import Load, PointForce, Pressure, Traction
+from lacore.model.conditions.footings import Twist
+from lacore.model.conditions.loads import Load, PointForce, Traction
+from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.model.materials.fields import Field
 from lacore.model.problem.problem import Problem
 from lacore.reporting.errors import is_number
@@ -205,38 +204,9 @@ def _of_load(attribute: str, index: int, size: float) -> Changed:
     return at
 
 
-@singledispatch
 def size_of(load: Load) -> float | None:
-    """Size of a load; None where it has no single one."""
-    return None
-
-
-@size_of.register(Traction)
-@size_of.register(PointForce)
-def _length(load: Traction | PointForce) -> float:
-    return float(np.linalg.norm(load.vector))
-
-
-@size_of.register(BodyForce)
-def _per_volume(load: BodyForce) -> float:
-    if not load.uniform:
-        return 1.0  # a factor of all of it
-    return float(np.linalg.norm(np.asarray(load.vector, dtype=np.float64)))
-
-
-@size_of.register(Pressure)
-def _value(load: Pressure) -> float:
-    return abs(load.value)
-
-
-@size_of.register(RigidFooting)
-def _pressure(load: RigidFooting) -> float:
-    return abs(load.pressure)
-
-
-@size_of.register(Twist)
-def _torque(load: Twist) -> float:
-    return abs(load.torque)
+    """Size of a load; None of water, which has no single one."""
+    return None if isinstance(load, PorePressure | StandingWater) else load.size
 
 
 @singledispatch
@@ -266,33 +236,7 @@ def _of_weight(load: BodyForce, bodies: Mapping[str, AnyBody]) -> str:
     return "N/m^3" if load.uniform else ""
 
 
-@singledispatch
-def times(load: Any, factor: float) -> Load:
-    """A load of another size."""
-    raise TypeError(type(load).__name__)
-
-
-@times.register(Traction)
-@times.register(PointForce)
-def _longer(load: Traction | PointForce, factor: float) -> Load:
-    return replace(load, vector=tuple(factor * own for own in load.vector))
-
-
-@times.register(BodyForce)
-def _heavier(load: BodyForce, factor: float) -> Load:
+def times(load: Load, factor: float) -> Load:
+    """A load that has a size, with another one."""
+    assert not isinstance(load, PorePressure | StandingWater)
     return load.times(factor)
-
-
-@times.register(Pressure)
-def _pressed(load: Pressure, factor: float) -> Load:
-    return replace(load, value=factor * load.value)
-
-
-@times.register(Twist)
-def _turned(load: Twist, factor: float) -> Load:
-    return replace(load, torque=factor * load.torque)
-
-
-@times.register(RigidFooting)
-def _loaded(load: RigidFooting, factor: float) -> Load:
-    return replace(load, pressure=factor * load.pressure)

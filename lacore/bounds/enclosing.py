@@ -15,7 +15,7 @@ from lacore.model.bodies.continuum.regions.region import Region
 from lacore.model.bodies.continuum.spaces import SPACES
 from lacore.model.conditions.footings import footings
 from lacore.model.materials.criterion import Criterion
-from lacore.model.materials.friction import Coulomb, Friction, friction_law
+from lacore.model.materials.friction import Friction, friction_law
 from lacore.model.problem.problem import Problem
 from lacore.reporting import terms
 from lacore.reporting.errors import InputError
@@ -25,7 +25,7 @@ from lacore.reporting.text import Term, text
 def has_coulomb(problem: Problem) -> bool:
     """Whether there is Coulomb friction that is not associated, in interfaces or joints."""
     joints = (body.joints for body in of_kind(problem.bodies, BlockAssembly).values())
-    return any(_follows_pressure(pair.law) for pair in problem.interfaces) or any(
+    return any(pair.law.terms().coefficient > 0 for pair in problem.interfaces) or any(
         bool((own.coefficient > 0).any()) for own in joints
     )
 
@@ -34,18 +34,14 @@ def frictionless(problem: Problem) -> Problem:
     """Without Coulomb friction: its load factor is no larger than any Coulomb one."""
 
     def without(law: Friction) -> Friction:
-        return law.frictionless() if isinstance(law, Coulomb) and _follows_pressure(law) else law
+        return law.frictionless() if law.terms().coefficient > 0 else law
 
     return _with_laws(problem, without)
 
 
 def associated(problem: Problem) -> Problem:
     """With Coulomb friction made associated: its load factor is no smaller than any Coulomb one."""
-
-    def dilating(law: Friction) -> Friction:
-        return replace(law, associated=True) if isinstance(law, Coulomb) else law
-
-    return _with_laws(problem, dilating)
+    return _with_laws(problem, lambda law: law.dilating())
 
 
 def with_associated_flow(problem: Problem) -> Problem:
@@ -133,10 +129,6 @@ def named_criterion(body: str, region: Region) -> str:
     """``Problem.bodies['soil'].criterion['clay']``: of a region in messages."""
     part = f"[{region.name!r}]" if region.name else ""
     return f"Problem.bodies[{body!r}].criterion{part}"
-
-
-def _follows_pressure(law: Friction) -> bool:
-    return law.terms().coefficient > 0
 
 
 def _with_laws(problem: Problem, changed: Callable[[Friction], Friction]) -> Problem:

@@ -27,7 +27,7 @@ from lacore.model.bodies.continuum.solid.faces import face_geometry
 from lacore.model.bodies.continuum.water import in_pores, on_facets
 from lacore.model.conditions.body_forces import BodyForce
 from lacore.model.conditions.footings import Footing
-from lacore.model.conditions.loads import Load, Pressure, Traction
+from lacore.model.conditions.loads import Load, SurfaceLoad
 from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import DissipationGroup
@@ -204,9 +204,8 @@ def _multiplied(load: Load, dofs: "EquilibriumDofs") -> Floats:
     raise TypeError(f"no forces on multipliers: {type(load).__name__}")
 
 
-@_multiplied.register(Traction)
-@_multiplied.register(Pressure)
-def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
+@_multiplied.register(SurfaceLoad)
+def _on_boundary(load: SurfaceLoad, dofs: "EquilibriumDofs") -> Floats:
     facets, d = facets_of(load, dofs.body), dofs.body.dimension
     share = dofs.lengths(facets) / d * load.on(outward_normals(dofs.body, facets, 0.5))
     return _at(dofs, dofs.facet_nodes(facets).ravel(), np.tile(share, d))

@@ -152,13 +152,14 @@ def place(where: Where, field: str) -> Any:
     return plain(where)
 
 
-def law(given: friction.Friction) -> Any:
+def law(given: friction.Friction, field: str) -> Any:
     """A law of friction."""
     if given in _WORDS:
         return _WORDS[given]
     if isinstance(given, friction.Tresca):
         return {"limit": plain(given.limit)}
-    assert isinstance(given, friction.Coulomb)
+    if not isinstance(given, friction.Coulomb):
+        return other(given, field)
     own = {name: value for name, value in vars(given).items() if value}
     bare = set(own) <= {"mu"} and not friction.in_degrees(given.mu)
     return plain(given.mu) if bare else {"mu": 0} | plain(own)
@@ -184,19 +185,22 @@ def interface(pair: Interface, field: str) -> Table:
             raise InputError(f"{field}.master.shape", own.shape, why, "keep this problem in Python")
         flat = own.point is not None
         master = {"point": plain(own.point), "normal": plain(own.normal)} if flat else "obstacle"
-    return {"slave": sides[0], "master": master, "friction": law(pair.law)}
+    return {"slave": sides[0], "master": master, "friction": law(pair.law, f"{field}.friction")}
 
 
 def blocks(body: BlockAssembly) -> Table:
     """Rigid blocks: walls and arches, too, are polygons."""
+
+    def stated(own: float | friction.Friction, field: str) -> Any:
+        return law(friction.friction_law(own, field), field)
+
     pairs = (body.joint_friction or {}).items()
     joints = [
-        {"between": list(pair), "friction": law(friction.friction_law(own, "joint_friction"))}
-        for pair, own in pairs
+        {"between": list(pair), "friction": stated(own, "joint_friction")} for pair, own in pairs
     ]
     return {
         "kind": "blocks",
-        "friction": law(friction.friction_law(body.friction, "friction")),
+        "friction": stated(body.friction, "friction"),
         **({"joints": joints} if joints else {}),
         "tolerance": plain(body.tolerance),
         "blocks": {name: plain(corners.tolist()) for name, corners in body.polygons.items()},

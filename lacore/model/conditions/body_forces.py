@@ -85,6 +85,13 @@ class BodyForce(Compact):
         own = Quantity(tuple(map(_told, self.vector)), "N/m^3", ".7g")
         return text("{} in {}{}", own, self.body, part)
 
+    @property
+    def size(self) -> float:
+        """Size >= 0, in N/m^3; 1 if it varies from place to place: a factor of all of it."""
+        if not self.uniform:
+            return 1.0
+        return float(np.linalg.norm(np.asarray(self.vector, dtype=np.float64)))
+
     def times(self, factor: float) -> BodyForce:
         """The same with another size."""
         return replace(self, vector=tuple(_times(one, factor) for one in self.vector))

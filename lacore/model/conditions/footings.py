@@ -162,6 +162,15 @@ class RigidFooting(Footing):
         """See `Footing`."""
         return replace(self, pressure=1.0)
 
+    @property
+    def size(self) -> float:
+        """Mean pressure >= 0, in Pa."""
+        return abs(self.pressure)
+
+    def times(self, factor: float) -> Self:
+        """The same with another size."""
+        return replace(self, pressure=factor * self.pressure)
+
     def driven_by(self, area: float) -> float:
         """Force along its direction, N/m, in space N."""
         return self.pressure * area
@@ -239,6 +248,15 @@ class Twist(Footing):
     def unloaded(self) -> Twist:
         """See `Footing`."""
         return replace(self, torque=1.0)
+
+    @property
+    def size(self) -> float:
+        """Torque >= 0, in N m."""
+        return abs(self.torque)
+
+    def times(self, factor: float) -> Self:
+        """The same with another size."""
+        return replace(self, torque=factor * self.torque)
 
     def driven_by(self, area: float) -> float:
         """Torque, N m."""

@@ -8,9 +8,10 @@ are those of the whole circumference, in N.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import singledispatch
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -87,7 +88,42 @@ def require_no_rotation(support: Fix, field: str) -> None:
 
 
 @dataclass(frozen=True, repr=False)
-class Traction(Compact):
+class SurfaceLoad(Compact, ABC):
+    """The base class of loads that are a stress on a part of the boundary.
+
+    Deformable bodies and rigid blocks support every subclass.
+    """
+
+    body: str
+    where: Where
+    point: ClassVar[None] = None
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary, or the member of a frame, that it acts on."""
+        return self.where
+
+    @property
+    @abstractmethod
+    def told(self) -> str:
+        """In a few words."""
+
+    @property
+    @abstractmethod
+    def size(self) -> float:
+        """Size >= 0, in Pa."""
+
+    @abstractmethod
+    def times(self, factor: float) -> Self:
+        """The same with another size."""
+
+    @abstractmethod
+    def on(self, normal: Floats) -> Floats:
+        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+
+
+@dataclass(frozen=True, repr=False)
+class Traction(SurfaceLoad):
     """Uniform traction `vector` [Pa] on a part of the boundary.
 
     On a frame `where` names a member, and the vector is a force per length of it.
@@ -96,18 +132,10 @@ class Traction(Compact):
         >>> pushed = la.Traction("soil", "top", (0.0, -1e3))  # Pa
     """
 
-    body: str
-    where: Where
     vector: tuple[float, ...]
-    point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         check_vector("Traction.vector", self.vector, "Pa")
-
-    @property
-    def boundary(self) -> Where:
-        """The part of the boundary, or the member, that it acts on."""
-        return self.where
 
     @property
     def told(self) -> str:
@@ -115,32 +143,33 @@ class Traction(Compact):
         own = Quantity(tuple(self.vector), "Pa", ".7g")
         return text("{} on {}.{}", own, self.body, where_name(self.where))
 
+    @property
+    def size(self) -> float:
+        """See `SurfaceLoad.size`."""
+        return float(np.linalg.norm(self.vector))
+
+    def times(self, factor: float) -> Self:
+        """See `SurfaceLoad.times`."""
+        return replace(self, vector=tuple(factor * own for own in self.vector))
+
     def on(self, normal: Floats) -> Floats:
-        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+        """See `SurfaceLoad.on`."""
         vector = np.reshape(self.vector, (-1, *(1,) * (normal.ndim - 1)))
         return np.broadcast_to(vector, normal.shape)
 
 
 @dataclass(frozen=True, repr=False)
-class Pressure(Compact):
+class Pressure(SurfaceLoad):
     """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary.
 
     Example:
         >>> inside = la.Pressure("tube", "left", value=1e6)  # Pa
     """
 
-    body: str
-    where: Where
     value: float = 1.0
-    point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         check_size("Pressure.value", self.value, "Pa")
-
-    @property
-    def boundary(self) -> Where:
-        """The part of the boundary that it acts on."""
-        return self.where
 
     @property
     def told(self) -> str:
@@ -148,8 +177,17 @@ class Pressure(Compact):
         own = Quantity(self.value, "Pa", ".7g")
         return text("pressure {} on {}.{}", own, self.body, where_name(self.where))
 
+    @property
+    def size(self) -> float:
+        """See `SurfaceLoad.size`."""
+        return abs(self.value)
+
+    def times(self, factor: float) -> Self:
+        """See `SurfaceLoad.times`."""
+        return replace(self, value=factor * self.value)
+
     def on(self, normal: Floats) -> Floats:
-        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+        """See `SurfaceLoad.on`."""
         return np.asarray(-self.value * normal)
 
 
@@ -194,17 +232,17 @@ class PointForce(Compact):
         at = short(self.at) if self.point is None else Quantity(tuple(self.point), "m", ".7g")
         return text("{} at {} of {}", own, at, self.body)
 
+    @property
+    def size(self) -> float:
+        """Size >= 0, in N/m, in three dimensions and on axisymmetric bodies in N."""
+        return float(np.linalg.norm(self.vector))
 
-Load = (
-    Traction
-    | Pressure
-    | BodyForce
-    | PointForce
-    | RigidFooting
-    | Twist
-    | PorePressure
-    | StandingWater
-)
+    def times(self, factor: float) -> Self:
+        """The same with another size."""
+        return replace(self, vector=tuple(factor * own for own in self.vector))
+
+
+Load = SurfaceLoad | BodyForce | PointForce | RigidFooting | Twist | PorePressure | StandingWater
 """What drives a problem, a reference load, or rests on it, a dead one.
 
 Each says its `boundary`, None where it acts on none, and its `point`, None where on none.
@@ -217,17 +255,12 @@ def acts(load: Load) -> bool:
     return True
 
 
-@acts.register(Traction)
+@acts.register(SurfaceLoad)
 @acts.register(PointForce)
-def _along(load: Traction | PointForce) -> bool:
-    return bool(np.any(load.vector))
+def _of_size(load: SurfaceLoad | PointForce) -> bool:
+    return load.size > 0
 
 
 @acts.register(BodyForce)
 def _anywhere(load: BodyForce) -> bool:
     return any(map(acting, load.vector))
-
-
-@acts.register(Pressure)
-def _against(load: Pressure) -> bool:
-    return bool(load.value)

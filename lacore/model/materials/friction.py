@@ -115,10 +115,14 @@ class Coulomb(Compact):
             return FrictionTerms(0.0, limit, self.mu, self.tension)
         return FrictionTerms(self.mu, limit, 0.0, self.tension)
 
-    def frictionless(self) -> Coulomb | Tresca:
+    def frictionless(self) -> Friction:
         """What it carries whatever presses: a cylinder inside its cone (T14); SMOOTH of none."""
         limit = max(self.adhesion - self.mu * self.tension, 0.0)
         return replace(self, mu=0.0, adhesion=limit) if limit or self.tension else SMOOTH
+
+    def dilating(self) -> Coulomb:
+        """The same cone with associated flow, which carries no less (T14)."""
+        return replace(self, associated=True)
 
     def divided(self, factor: float) -> Coulomb:
         """With all strengths divided by a factor; the apex stays, and no tension is beyond it."""
@@ -154,6 +158,14 @@ class Tresca(Compact):
         """The law as coefficients of the program."""
         return FrictionTerms(0.0, self.limit, 0.0)
 
+    def frictionless(self) -> Tresca:
+        """The same: it does not depend on pressure."""
+        return self
+
+    def dilating(self) -> Tresca:
+        """The same: its flow is associated."""
+        return self
+
     def divided(self, factor: float) -> Tresca:
         """With its limit divided by a factor."""
         return Tresca(self.limit / factor)
@@ -177,6 +189,14 @@ class Bonded(Compact):
     def terms(self) -> FrictionTerms:
         """That of sticking: what opens is no matter of friction."""
         return FrictionTerms(0.0, inf, 0.0)
+
+    def frictionless(self) -> Bonded:
+        """The same: it does not depend on pressure."""
+        return self
+
+    def dilating(self) -> Bonded:
+        """The same: its flow is associated."""
+        return self
 
     def divided(self, factor: float) -> Bonded:
         """The same: its strength is that of the bodies."""
@@ -203,7 +223,7 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
         InputError: neither, a coefficient below 0 or NaN, or a bare one that looks like an angle in
             degrees; it names `field`.
     """
-    if isinstance(friction, Coulomb | Tresca | Bonded):
+    if isinstance(friction, Friction):
         return friction
     if not isinstance(friction, int | float | np.number):
         raise InputError(

@@ -9,7 +9,7 @@ from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body, on_axis
 from lacore.model.bodies.continuum.boundaries import boundary_facets
 from lacore.model.conditions.footings import RigidFooting
-from lacore.model.conditions.loads import Fix, Load, PointForce, Pressure, Traction
+from lacore.model.conditions.loads import Fix, Load, PointForce, SurfaceLoad
 from lacore.model.conditions.water import StandingWater
 from lacore.model.conditions.where import Where
 from lacore.model.contact.interfaces import Interface
@@ -70,10 +70,9 @@ def _check_load(load: Load, field: str, body: Body) -> None:
     """Refuse a load that has no meaning on a body of revolution; on its volume all have."""
 
 
-@_check_load.register(Traction)
-@_check_load.register(Pressure)
+@_check_load.register(SurfaceLoad)
 @_check_load.register(StandingWater)
-def _check_boundary(load: Traction | Pressure | StandingWater, field: str, body: Body) -> None:
+def _check_boundary(load: SurfaceLoad | StandingWater, field: str, body: Body) -> None:
     _check_off_axis(body, load.where, f"{field}.where")
 
 

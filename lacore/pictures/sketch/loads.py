@@ -21,7 +21,7 @@ from lacore.model.bodies.frames.loads import line_load
 from lacore.model.bodies.touching import Edges
 from lacore.model.conditions.body_forces import BodyForce
 from lacore.model.conditions.footings import RigidFooting
-from lacore.model.conditions.loads import Load, PointForce, Pressure, Traction, acts
+from lacore.model.conditions.loads import Load, PointForce, SurfaceLoad, Traction, acts
 from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.model.meshes.curved import outlines
 from lacore.numerics.arrays import Floats
@@ -216,9 +216,7 @@ def _footing(
 
 
 @_draw.register
-def _row(
-    load: Traction | Pressure, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
-) -> None:
+def _row(load: SurfaceLoad, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
     """Arrows along a boundary or a member, as far outside as other symbols are not."""
     edges, unit = _loaded(body, load)
     vectors = load.on(edges.normal)
@@ -319,7 +317,7 @@ def _between(places: Floats) -> Floats:
 
 
 @singledispatch
-def _loaded(body: AnyBody, load: Traction | Pressure) -> tuple[Edges, str]:
+def _loaded(body: AnyBody, load: SurfaceLoad) -> tuple[Edges, str]:
     """What a load is spread over, and its unit; of a member the side that the load comes from."""
     return plane(body).boundary(load.where, "where")[1], "Pa"
 

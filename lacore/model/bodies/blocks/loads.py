@@ -8,7 +8,7 @@ import numpy as np
 from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.model.conditions.body_forces import BodyForce
 from lacore.model.conditions.footings import Footing, RigidFooting, Twist
-from lacore.model.conditions.loads import Load, PointForce, Pressure, Traction
+from lacore.model.conditions.loads import Load, PointForce, SurfaceLoad
 from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting import terms
@@ -38,9 +38,8 @@ def carried(load: Load, body: RigidBlocks) -> Carried:
     raise TypeError(f"not a load: {type(load).__name__}")
 
 
-@carried.register(Traction)
-@carried.register(Pressure)
-def _boundary(load: Traction | Pressure, body: RigidBlocks) -> Carried:
+@carried.register(SurfaceLoad)
+def _boundary(load: SurfaceLoad, body: RigidBlocks) -> Carried:
     facets = body.outline(load.where, f"{type(load).__name__}.where")
     places, normal, size = body.geometry_of(facets)
     return body.blocks_of(facets), places, load.on(normal) * size

@@ -15,7 +15,7 @@ from lacore.model.bodies.continuum.boundaries import boundary_facets, vertex_at
 from lacore.model.bodies.continuum.water import in_pores, on_facets
 from lacore.model.conditions.body_forces import BodyForce
 from lacore.model.conditions.footings import Footing, RigidFooting, Twist
-from lacore.model.conditions.loads import Fix, Load, PointForce, Pressure, Traction
+from lacore.model.conditions.loads import Fix, Load, PointForce, SurfaceLoad
 from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.model.meshes.curved import OnFacets, is_curved
 from lacore.numerics.arrays import Floats, Ints
@@ -36,11 +36,10 @@ def check_load(load: Load, body: "Body", field: str) -> None:
     raise TypeError(f"not a load: {type(load).__name__}")
 
 
-@check_load.register(Traction)
-@check_load.register(Pressure)
+@check_load.register(SurfaceLoad)
 @check_load.register(RigidFooting)
 @check_load.register(Twist)
-def _check_boundary(load: Traction | Pressure | Footing, body: "Body", field: str) -> None:
+def _check_boundary(load: SurfaceLoad | Footing, body: "Body", field: str) -> None:
     boundary_facets(body, load.where, f"{field}.where")
 
 
@@ -87,9 +86,8 @@ def force(load: Load, dofs: "BodyDofs") -> Floats:
     raise TypeError(f"no forces at nodes: {type(load).__name__}")
 
 
-@force.register(Traction)
-@force.register(Pressure)
-def _on_boundary(load: Traction | Pressure, dofs: "BodyDofs") -> Floats:
+@force.register(SurfaceLoad)
+def _on_boundary(load: SurfaceLoad, dofs: "BodyDofs") -> Floats:
     basis = _facet_basis(dofs, facets_of(load, dofs.body))
     return _power(dofs, basis, load.on(np.asarray(basis.normals)))
 
@@ -152,9 +150,8 @@ def force_along(load: Load, dofs: "BodyDofs", facets: Ints, directions: Floats) 
     return np.zeros(dofs.count)
 
 
-@force_along.register(Traction)
-@force_along.register(Pressure)
-def _along(load: Traction | Pressure, dofs: "BodyDofs", facets: Ints, directions: Floats) -> Floats:
+@force_along.register(SurfaceLoad)
+def _along(load: SurfaceLoad, dofs: "BodyDofs", facets: Ints, directions: Floats) -> Floats:
     loaded, own, _ = np.intersect1d(facets, facets_of(load, dofs.body), return_indices=True)
     if not loaded.size:
         return np.zeros(dofs.count)
@@ -187,7 +184,7 @@ def _places(basis: Basis) -> Floats:
     return np.asarray(basis.global_coordinates())
 
 
-Part = Traction | Pressure | Footing | StandingWater | Fix
+Part = SurfaceLoad | Footing | StandingWater | Fix
 
 
 def facets_of(part: Part, body: "Body") -> Ints:

@@ -34,7 +34,7 @@ def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:
 
 def friction(law: Friction, units: Units) -> str:
     """Describe a law of friction: ``friction 0.4``, ``smooth``."""
-    said = stated_law(law)
+    said = stated_law(law, "friction")
     if isinstance(said, str):
         return said
     if not isinstance(said, dict):
