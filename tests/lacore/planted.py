@@ -5,8 +5,10 @@ Unit square, k = 1. Conjugates of (eps_xx - eps_yy, gamma) and theta: ((s_xx - s
 """
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 import lacore as la
+from lacore.program.kinematic import ContactRows, DissipationGroup, KinematicProgram
 from lacore.program.state import ProgramState
 from tests.lacore.models import obstacle, square
 
@@ -77,3 +79,43 @@ def flowing():
 
 def flowing_field(x):
     return np.stack([x[0], -x[1]])
+
+
+def pushed_weight():
+    """A rigid weight of 8 N on two patches of 1 and 3 m^2, pushed by 2 N against a spring of 1 N.
+
+    The unknowns are its velocities along x and y. The spring strains at the velocity along x.
+    """
+    along, up = csr_matrix([[1.0, 0.0]] * 2), csr_matrix([[0.0, 1.0]] * 2)
+    spring = DissipationGroup(
+        name="spring",
+        rows=csr_matrix([[1.0, 0.0]]),
+        dim=1,
+        weights=np.array([2.0]),
+        bound=np.array([0.5]),
+        volumetric=csr_matrix((1, 2)),
+        volumetric_factor=0.0,
+    )
+    contact = ContactRows(
+        normal=up,
+        tangential=along,
+        tangent_dim=1,
+        weights=np.array([1.0, 3.0]),
+        coefficient=np.full(2, 0.5),
+        limit=np.zeros(2),
+        dilatancy=np.zeros(2),
+        interface=np.zeros(2, dtype=int),
+    )
+    return KinematicProgram((spring,), contact, np.array([2.0, 0.0]), np.array([0.0, -8.0]))
+
+
+def wrong_state(load_factor=3.0, stress=0.4):
+    """A state of the weight that breaks each law by a size of its own."""
+    return ProgramState(
+        velocity=np.array([0.6, -0.1]),
+        load_factor=load_factor,
+        stress=(np.array([[stress]]),),
+        mean_stress=(np.zeros(1),),
+        normal_reaction=np.array([1.0, 2.0]),
+        tangential_reaction=np.array([[-0.7], [-0.8]]),
+    )

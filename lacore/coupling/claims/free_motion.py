@@ -33,7 +33,8 @@ def without_dissipation(
     u, rows = state.velocity, program.contact
     parts = program.part
     speed = np.zeros(int(parts.max(initial=0)) + 1)
-    np.maximum.at(speed, parts, np.abs(u))
+    with np.errstate(invalid="ignore"):  # NaN stays, and is no motion
+        np.maximum.at(speed, parts, np.abs(u))
     if not speed.max() > 0:
         return False
     for group in program.groups:

@@ -8,6 +8,7 @@ import pytest
 import lacore as la
 from lacore.paths import drift
 from lacore.paths.ending import Ending
+from lacore.paths.path import Event
 from lacore.paths.selection import least_norm
 from lacore_verification.cases.shared.exact_paths import cylinder, pressure
 from tests.lacore.paths.path_billets import billet, pressed
@@ -284,3 +285,29 @@ def test_bad_selections_are_refused(said, selection, backend):
 def test_bad_shares_are_refused(within):
     with pytest.raises(la.InputError, match=r"LeastNorm\.within"):
         la.LeastNorm(within)
+
+
+def test_velocities_are_selected_from_the_event_on_that_reports_a_drift():
+    """By the default, unless a selection is given; other events change nothing."""
+    begins = Event(drift.DRIFTS, 3, 0.1, "")
+    other = Event("contact closed", 2, 0.05, "")
+    assert drift.selection_after([other, begins], None) == la.LeastNorm()
+    assert drift.selection_after([other], None) is None
+    given = la.LeastNorm(within=1e-3)
+    assert drift.selection_after([other, begins], given) is given
+    assert drift.selection_after([other], given) is given
+
+
+@pytest.mark.parametrize(
+    ("kinds", "ending"),
+    [
+        ((), Ending.REACHED),
+        (("contact closed",), Ending.REACHED),
+        ((drift.DRIFTS,), Ending.REACHED),  # a regular velocity was selected from there on
+        ((drift.LOST,), Ending.REACHED),
+        ((drift.DRIFTS, drift.LOST), Ending.DRIFTED),
+        ((drift.DRIFTS, drift.LATE), Ending.DRIFTED),
+    ],
+)
+def test_a_path_that_has_drifted_without_a_selection_is_not_reached(kinds, ending):
+    assert drift.ending([Event(kind, 1, 0.1, "") for kind in kinds]) is ending

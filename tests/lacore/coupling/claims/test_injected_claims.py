@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.coupling.claims import dead_collapse as collapses
+from lacore.coupling.claims import locking_ray as rays
 from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.coupling.claims.dead_loads import _mechanism_residual, prove_dead_loads
 from lacore.coupling.claims.free_motion import without_dissipation
-from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, locking_ray
-from lacore.program.kinematic import associated_contact, reaction_contact
+from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, _ways, locking_ray
+from lacore.program.kinematic import FrozenContact, associated_contact, reaction_contact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
 from lacore.solvers.inner.preparing import preparer_named
@@ -333,3 +335,60 @@ def test_a_collapse_by_lines_needs_no_cones():
 def test_the_former_name_of_the_dissipated_share_warns_and_works():
     with pytest.warns(DeprecationWarning, match="dissipated_share"):
         assert FALLING.carried == FALLING.dissipated_share
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("share", [0.7, 1.4])
+def test_proofs_of_dead_loads_do_not_depend_on_the_unit_of_forces(share, size):
+    """A block on a slope whose base takes a share of what pulls it down."""
+    pull = 2.0 * np.sin(0.3)
+    program, contact = frozen(on_incline(0.3, la.Tresca(share * pull), (1.0, 0.0), weight=2.0))
+    rows = program.contact
+    other = replace(
+        program,
+        dead_load=size * program.dead_load,
+        contact=replace(rows, limit=size * rows.limit),
+    )
+    scaled = replace(contact, bound=size * contact.bound)
+    found = prove_dead_loads(other, scaled, preparer_named("clarabel", {}), TOLERANCE)
+    state = found.equilibrium if share > 1 else found.mechanism
+    weight = float(np.abs(other.dead_load).sum())
+    rubbed = rows.weights @ state.tangential_reaction[:, 0]
+    assert abs(rubbed) == pytest.approx(min(share, 1) * weight * np.sin(0.3), rel=1e-5)
+    assert found.residual <= TOLERANCE
+
+
+@pytest.mark.parametrize("size", [0.0, 0.1, 1.0, 30.0])
+def test_the_power_of_the_load_in_a_collapse_is_relative_to_the_velocity(size):
+    """A load along the slope feels all of the slide of the block, however fast it is."""
+    program, contact = frozen(on_incline(0.3, la.Tresca(0.1), (np.cos(0.3), np.sin(0.3)), 2.0))
+    driven, added = collapses._driven(program, contact)
+    slide = size * slide_of(program)
+    found = collapses._judged(program, driven, added, slide, np.inf)
+    load, fastest = np.abs(program.reference_load).sum(), np.abs(slide_of(program)).max()
+    expected = abs(program.reference_load @ slide_of(program)) / (load * fastest)
+    assert expected > 0.1
+    assert found.felt == pytest.approx(expected if size else 0.0)
+    assert found.power == pytest.approx(size * float(program.dead_load @ slide_of(program)))
+    # The load is a point that sticks, and slips by what the load feels.
+    assert found.impossible == pytest.approx(found.felt)
+
+
+def test_a_locking_ray_is_out_of_balance_by_a_share_of_all_forces_on_the_part(monkeypatch):
+    """Forces that are too large by 1e-9, per sum of the sizes of loads and reactions."""
+    program, contact = frozen(on_incline(0.0, la.Tresca(1.0)))
+    carried = rays._carried
+    monkeypatch.setattr(rays, "_carried", lambda *given: (1 + 1e-9) * carried(*given))
+    found, rows, load = locking_ray(program, contact), program.contact, program.reference_load
+    pressed = rows.weights * found.point.normal_reaction
+    forces = np.abs(load) + abs(rows.normal).T @ pressed
+    assert found.residual == pytest.approx(1e-9 * np.abs(load).max() / forces.sum(), rel=1e-6)
+    assert not found.proves
+
+
+def test_directions_of_slip_are_unit_vectors_where_slip_dilates():
+    """Both along a line; in space all around, and none where nothing dilates."""
+    none, some = FrozenContact(*np.zeros((3, 2))), FrozenContact(*np.full((3, 2), 0.1))
+    assert _ways(none, 1).tolist() == [[1.0], [-1.0]]
+    assert _ways(some, 2).tolist() == _directions(2).tolist()
+    assert _ways(none, 2).tolist() == [[0.0, 0.0]]
