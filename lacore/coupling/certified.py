@@ -49,13 +49,13 @@ def certified_loop(run: Run) -> Coupled:
     program = run.program
     if program.associated_flow:
         return run.finish(run.solve("single", frictionless_contact(program.contact)))
-    if not program.hardens or program.frictional or run.roughly is None:
+    if not program.hardens or program.frictional or run.prepare_roughly is None:
         return _from_associated(run)
     found = resumed(run, mean, _PATIENCE)
     if found is not None:
         return run.finish(found)
-    # With all solves that it may take: what is certified so is certified still.
-    again = _from_associated(replace(run, iterates=[], rates=[], _mapped={}))
+    # Restart with the full budget, so that a failed shortcut never loses a result.
+    again = _from_associated(run.afresh())
     return replace(again, iterates=(*run.iterates, *again.iterates))
 
 
@@ -72,7 +72,9 @@ def _from_associated(run: Run) -> Coupled:
         return run.finish(anchor)
     of_contact = (by_places, averaged, central_path, _damped, _alternated, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
-        found = attempt(run, closest(run, static)) or run.accept()
+        found = attempt(run, closest(run, static))
+        if found is None and run.relax_tolerance():
+            found = run.best_proven()
         if found is not None:
             return _bounded(run, found, first)
     return _undecided(run, first)

@@ -1,86 +1,39 @@
-"""What all coupling loops share: options, the inner solves as they come, and their judgement.
+"""Options, inner solves and certificates that all coupling loops share.
 
-The loops (`lacore.coupling.fixed_point`, `lacore.coupling.certified`) are the only place that
-iterates on contact reactions (T9-T13). Exact backends stop when the recomputed residuals of the
-Coulomb problem (`lacore.program.certificate`) are within tolerance; regularised ones, whose
-residuals never vanish, when the friction bounds that they were given are those of the reactions
-that they return.
+Only the loops (`lacore.coupling.fixed_point`, `lacore.coupling.certified`) iterate on contact
+reactions (T9-T13). With an exact backend a loop stops when the recomputed residuals of the Coulomb
+problem (`lacore.program.certificate`) are within the tolerance. The residuals of a regularised
+backend never vanish, so its loop stops when the friction bounds of a solve agree with the reactions
+that it returns.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 
-from lacore.coupling.claims.free_motion import without_dissipation
-from lacore.coupling.nearby import Nearby
+from lacore.coupling.claims.free_motion import NO_POWER, without_dissipation
+from lacore.coupling.friction_start import FrictionStart
+from lacore.coupling.options import CouplingOptions
 from lacore.numerics.arrays import Floats
 from lacore.program.certificate import Certificate, certify
 from lacore.program.kinematic import FrozenContact, KinematicProgram, reaction_contact
 from lacore.program.state import ProgramState
-from lacore.reporting.errors import (
-    InputError,
-    is_number,
-    require_count,
-    require_known,
-    require_positive,
-)
 from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
 from lacore.solvers.inner.left_over import impossible
 
-STARTS = ("associated", "zero")
-PATH = "path"
-"""Kind of the iterates that lacore finds itself, by following a path of rigid blocks."""
+CENTRAL_PATH = "path"
+"""Kind of the iterates that lacore computes itself, along a central path of rigid blocks."""
 PATH_FOLLOWING = "lacore (path following)"
-"""What answered there, in results."""
+"""Name that results report in place of a backend for these iterates."""
 _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
-_PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 where they are as meant
-_LOOSEST = 1e-3  # residual at which a state still deserves its name
-_NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
-_NO_CHANGE = 1e-6  # relative: smaller changes of what is frozen say nothing of a rate
-
-
-@dataclass(frozen=True, repr=False)
-class CouplingOptions(Compact):
-    """How to couple.
-
-    Attributes:
-        start: ``associated`` (reactions of the associated problem) or ``zero`` (the paper's).
-        damping: share w of the new values in the next ones, 0 < w <= 1.
-        anderson: depth of Anderson acceleration, 0 for none.
-        tolerance: bar for the residuals of the certificate.
-        max_iterations: of the loop, not counting the start.
-        accepted: bar that is good enough of soils whose flow is not associated, where `tolerance`
-            is not reached soon: their residuals may come down slowly (T58). None: none is.
-    """
-
-    start: str = "associated"
-    damping: float = 0.7
-    anderson: int = 10
-    tolerance: float = 1e-6
-    max_iterations: int = 100
-    accepted: float | None = None
-
-    def __post_init__(self) -> None:
-        require_known("start", self.start, STARTS)
-        if not (is_number(self.damping) and 0 < self.damping <= 1):
-            raise InputError("damping", self.damping, "outside (0, 1]", "1 is no damping")
-        if not (isinstance(self.anderson, Integral) and self.anderson >= 0):
-            raise InputError(
-                "anderson", self.anderson, "not a depth", "give a whole number, 0 for none"
-            )
-        require_positive("tolerance", self.tolerance)
-        require_count("max_iterations", self.max_iterations)
-        if self.tolerance > _LOOSEST:
-            raise InputError(
-                "tolerance", self.tolerance, "proves nothing", f"give at most {_LOOSEST:g}"
-            )
+_PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 for penalties of the usual size
+_NO_CHANGE = 1e-6  # relative change of a map's argument; smaller ones do not determine a rate
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,14 +41,15 @@ class Iterate(Compact):
     """One inner solve of a loop.
 
     Attributes:
-        step: 0 is the start.
-        kind: what was solved: ``associated``, ``reaction``, ``K``, ``S``, ...
-        inner: what the backend answered.
-        state: what is judged; of loops that alternate, a velocity from one solve with the stresses,
-            reactions and load factor of another. None without a point.
-        certificate: residuals of `state` against the true friction laws.
-        mismatch: largest difference between the friction bound given and that of the reaction
-            returned, per largest reaction.
+        step: Number of the solve; 0 is the start.
+        kind: Problem that was solved: ``associated``, ``reaction``, ``K``, ``S``, ...
+        inner: Answer of the backend.
+        state: State to which the certificate belongs. In loops that alternate it has the velocity
+            of one solve and the stresses, reactions and load factor of another. None without a
+            point.
+        certificate: Residuals of `state` against the true friction laws.
+        mismatch: Largest difference between the given friction bound and that of the returned
+            reaction, divided by the largest reaction.
     """
 
     step: int
@@ -106,7 +60,7 @@ class Iterate(Compact):
     mismatch: float
 
     def row(self) -> dict[str, Any]:
-        """As a row of the history, in the units of the program."""
+        """Return the row of the history, in the units of the program."""
         point = self.inner.point
         residuals = asdict(self.certificate) if self.certificate else {}
         return {
@@ -126,19 +80,20 @@ class Iterate(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Coupled(Compact):
-    """End of a coupling loop: its status, and every inner solve on the way.
+    """End of a coupling loop: its status and all inner solves.
 
     Attributes:
-        status: outcome.
-        iterates: all inner solves.
-        final: the iterate that the status speaks of; its state is the answer where SOLVED.
-        laws: the frozen contact that `final` is judged by; None: the true friction laws.
-        contraction: how much closer to each other two reactions (T9, T12) or slip rates (T10)
-            come in a step: the last ratio seen; NaN where there is none.
-        bracket: load factors that enclose every Coulomb one of the program (T14), for a loop that
-            found none.
-        findings: What the loop reports in addition to its status.
-        tolerance: bar that residuals were judged by.
+        status: Status of the loop.
+        iterates: All inner solves.
+        final: Iterate to which the status belongs. Its state is the answer if the status is SOLVED.
+        laws: Frozen contact that the residuals of `final` refer to; None for the true friction
+            laws.
+        contraction: Last ratio by which the distance of two reactions (T9, T12) or slip rates
+            (T10) changed in a step; NaN without such a ratio.
+        bracket: Load factors that enclose every Coulomb load factor of the program (T14), for a
+            loop that found no certified state.
+        findings: Findings that the loop reports in addition to its status.
+        tolerance: Tolerance for the residuals.
     """
 
     status: Status
@@ -152,10 +107,10 @@ class Coupled(Compact):
 
 
 def answered_by(coupled: Coupled, backend: str) -> str:
-    """Say who found the final state of a loop: its backend, path following of lacore, or both.
+    """Return the name of the solver that found the final state of a loop.
 
-    A pair has its velocity from one solve and its reactions from another, which may be by
-    different solvers.
+    It is the backend, path following by lacore, or both: the velocity of a pair comes from one
+    solve and its reactions from another, and the solves may be by different solvers.
 
     Args:
         coupled: End of the loop.
@@ -169,29 +124,39 @@ def answered_by(coupled: Coupled, backend: str) -> str:
         id(own.inner.point.normal_reaction): own for own in coupled.iterates if own.inner.point
     }
     halves = (owners.get(id(half)) for half in (state.velocity, state.normal_reaction))
-    names = [PATH_FOLLOWING if own and own.kind == PATH else backend for own in halves]
+    names = [PATH_FOLLOWING if own and own.kind == CENTRAL_PATH else backend for own in halves]
     return " and ".join(dict.fromkeys(names))
 
 
 def worst(iterate: Iterate) -> float:
-    """The largest residual of an iterate; inf where there is none."""
+    """Return the largest residual of an iterate; inf without a certificate."""
     if iterate.certificate is None:
         return float("inf")
     return float(np.nan_to_num(iterate.certificate.worst[1], nan=np.inf))
 
 
 def paired(kinematic: ProgramState, static: ProgramState) -> ProgramState:
-    """The velocity of one state with the stresses, reactions and load factor of another (T12)."""
+    """Return a velocity with the stresses, reactions and load factor of another state (T12)."""
     return replace(static, velocity=kinematic.velocity)
 
 
 @dataclass
 class Run:
-    """The inner solves of one loop, judged as they come.
+    """The inner solves of one loop, each with its certificate.
 
-    `prepare` sets a solver to work on a program of its own, `roughly` one whose answers are only
-    where others begin. `near` is the friction of a state nearby, in the units of the program.
-    `time_limit` is that of an inner solve, s.
+    Attributes:
+        program: Program to solve.
+        solver: Solver that is prepared for it.
+        regularised: Whether the backend is regularised.
+        options: Options of the loop.
+        on_iterate: Function that is called after each inner solve.
+        prepare: Function that prepares the backend for another program.
+        prepare_roughly: The same with a loose tolerance, for answers that only start other solves.
+        iterates: Inner solves so far.
+        rates: Rates of the fixed-point maps so far, see `mapped`.
+        friction_start: Friction of another state, in the units of the program, at which the loop
+            may start.
+        time_limit: Time limit of an inner solve, s.
     """
 
     program: KinematicProgram
@@ -200,12 +165,16 @@ class Run:
     options: CouplingOptions
     on_iterate: Callable[[Iterate], None]
     prepare: Prepare | None = None
-    roughly: Prepare | None = None
+    prepare_roughly: Prepare | None = None
     iterates: list[Iterate] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
-    near: Nearby = field(default_factory=Nearby)
+    friction_start: FrictionStart = field(default_factory=FrictionStart)
     time_limit: float = np.inf
     _mapped: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)
+
+    def afresh(self, iterates: Sequence[Iterate] = ()) -> "Run":
+        """Return a run of the same problem with its full budget and the given iterates only."""
+        return replace(self, iterates=list(iterates), rates=[], _mapped={})
 
     def solve(
         self,
@@ -216,19 +185,19 @@ class Run:
         program: KinematicProgram | None = None,
         solver: PreparedSolver | None = None,
     ) -> Iterate:
-        """Solve for a frozen contact and judge the answer by `laws` (None: the true ones).
+        """Solve for a frozen contact, certify the answer and record it.
 
-        With `partner`, judge the pair that it makes of the answer, unless the answer itself holds.
-        With `program`, groups are those of it: of a velocity that hardens them (T29), or with
-        friction that is frozen (T52). With `solver` it is asked, and not that of the loop.
+        Args:
+            kind: Kind of the iterate.
+            contact: Frozen contact of the solve.
+            laws: Contact laws of the certificate; None for the true friction laws.
+            partner: Function that pairs the answer with another state. The pair replaces an answer
+                whose own residuals exceed the tolerance.
+            program: Program with other groups, which a velocity hardens (T29) or whose friction is
+                frozen (T52); None for the program of the run.
+            solver: Solver to use; None for that of the run, or for one prepared for `program`.
         """
-        if solver is not None:
-            answer = solver.solve(contact)
-        elif program is None or program is self.program or self.prepare is None:
-            answer = self.solver.solve(contact)
-        else:
-            with closing(self.prepare(program)) as own:
-                answer = own.solve(contact)
+        answer = self._answer(contact, program, solver)
         inner = checked_answer(self.program, self.regularised, answer)
         state, certificate, mismatch = inner.point, None, np.nan
         if state is not None:
@@ -242,7 +211,22 @@ class Run:
         self.on_iterate(iterate)
         return iterate
 
+    def _answer(
+        self,
+        contact: FrozenContact,
+        program: KinematicProgram | None,
+        solver: PreparedSolver | None,
+    ) -> InnerSolution:
+        """Return the answer of a given solver, or of one that is prepared for the program."""
+        if solver is not None:
+            return solver.solve(contact)
+        if program is None or program is self.program or self.prepare is None:
+            return self.solver.solve(contact)
+        with closing(self.prepare(program)) as prepared:
+            return prepared.solve(contact)
+
     def _mismatch(self, contact: FrozenContact, normal_reaction: Floats) -> float:
+        """Return the mismatch of an `Iterate`."""
         coulomb = self.program.contact.coulomb
         new = reaction_contact(self.program.contact, normal_reaction).bound[coulomb]
         largest = max(float(np.abs(normal_reaction).max(initial=0.0)), float(np.finfo(float).tiny))
@@ -255,11 +239,11 @@ class Run:
 
     @property
     def contraction(self) -> float:
-        """The last rate seen; NaN where there is none."""
+        """The last rate; NaN without one."""
         return self.rates[-1] if self.rates else float("nan")
 
     def mapped(self, kind: str, argument: Floats, image: Floats) -> None:
-        """Note what a fixed-point map made of an argument, for its rate."""
+        """Record the image of an argument under a fixed-point map, and the rate of the map."""
         if kind in self._mapped:
             last_argument, last_image = self._mapped[kind]
             change = float(np.linalg.norm(argument - last_argument))
@@ -274,23 +258,23 @@ class Run:
             return False
         if not self.regularised:
             return certificate.holds(tolerance)
-        # Equilibrium with the load factor P + 2 C proves a minimiser (T19); what the penalties let
-        # through (divergence, penetration, flow, gap) is reported and not judged, but their energy
-        # C, which bounds the error, must be small: a large dead load can fill it.
+        # Equilibrium with the load factor P + 2 C proves a minimiser (T19). The violations that
+        # penalties allow (divergence, penetration, flow, gap) are reported without a tolerance. But
+        # their energy C, which bounds the error, must be small, as large dead loads raise it.
         values = iterate.inner.regularised
         assert values is not None
         dissipated = values.plastic + float(self.program.dead_load @ iterate.state.velocity)
         largest = max(abs(values.load_factor), dissipated)
-        judged = [
+        residuals = [
             certificate.equilibrium,
             certificate.yield_violation,
             certificate.normalisation,
             iterate.mismatch,
         ]
-        if not np.isnan(values.multiplier):  # what the solver found is P + 2 C at a minimiser (T19)
-            judged.append(abs(values.multiplier - values.load_factor) / max(largest, _NO_POWER))
+        if not np.isnan(values.multiplier):  # it equals P + 2 C at a minimiser (T19)
+            residuals.append(abs(values.multiplier - values.load_factor) / max(largest, NO_POWER))
         meaningful = values.energy <= _PENALTY_SHARE * largest
-        return meaningful and all(value <= tolerance for value in judged)
+        return meaningful and all(value <= tolerance for value in residuals)
 
     def end(
         self,
@@ -301,16 +285,20 @@ class Run:
         bracket: tuple[float, float] | None = None,
         findings: tuple[Finding, ...] = (),
     ) -> Coupled:
-        """The end of the loop, at its last iterate unless another is given."""
+        """Return the end of the loop, at its last iterate unless another one is given."""
         final = final or self.iterates[-1]
         found = tuple(self.iterates), final, laws, self.contraction, bracket, findings
         return Coupled(status, *found, tolerance=self.options.tolerance)
 
-    def accept(self) -> Iterate | None:
-        """The pair with the least residual, where that is accepted; it is the bar from then on."""
+    def relax_tolerance(self) -> bool:
+        """Set the tolerance to the accepted one from now on; return whether there is one."""
         if self.options.accepted is None:
-            return None
+            return False
         self.options = replace(self.options, tolerance=self.options.accepted)
+        return True
+
+    def best_proven(self) -> Iterate | None:
+        """Return the proven iterate with a load that has the least residual; None without one."""
         proven = [one for one in self.iterates if self.proven(one) and not self.free(one)]
         return min(proven, key=worst, default=None)
 
@@ -332,13 +320,12 @@ class Run:
         return self.end(status, iterate, laws=laws, findings=findings)
 
     def free(self, iterate: Iterate, laws: FrozenContact | None = None) -> bool:
-        """Whether an admissible rigid motion turns over no power at all.
+        """Whether an iterate is an admissible rigid motion without any power.
 
-        By the true friction laws, or by `laws`.
-
-        It is judged before the residuals: those per power, and with no dead load those per total
-        load, are 0/0 here. A regularised body gives way under dead load, so that its dead power is
-        not zero: what its load factor and its dissipation say has to do.
+        The friction laws are the true ones, or `laws`. This is checked before the residuals: those
+        relative to a power, and without dead loads those relative to the total load, are 0/0 here.
+        A regularised body yields under dead loads, so the power of its dead loads is not zero, and
+        only its load factor and its dissipation are checked.
         """
         state, certificate = iterate.state, iterate.certificate
         if state is None or certificate is None or iterate.inner.status is not Status.SOLVED:
@@ -350,10 +337,10 @@ class Run:
             powers = [values.load_factor, values.plastic + dead_power]
             rigid = np.any(program.dead_load) or self._rigid(u)
             return (
-                bool(rigid) and certificate.normalisation <= tolerance and _none(powers, _NO_POWER)
+                bool(rigid) and certificate.normalisation <= tolerance and _none(powers, NO_POWER)
             )
         frozen = laws or reaction_contact(program.contact, state.normal_reaction)
-        # The divergence of soils is a power, which here is 0/0 as well.
+        # The divergence of soils is relative to a power, so it is 0/0 here as well.
         flow = impossible(program, state)
         admissible = [certificate.penetration, flow, certificate.normalisation]
         return _none(admissible, tolerance) and without_dissipation(
@@ -361,7 +348,7 @@ class Run:
         )
 
     def _rigid(self, velocity: Floats) -> bool:
-        """Whether strain rates are round-off against velocity per body length."""
+        """Whether strain rates are round-off compared with velocity over body length."""
         groups = self.program.groups
         length = np.sqrt(sum(float(group.weights.sum()) for group in groups))
         strain = max(
@@ -372,5 +359,5 @@ class Run:
 
 
 def _none(values: list[float], largest: float) -> bool:
-    """Whether all values are at most `largest` in size; false for NaN."""
+    """Whether the absolute values are at most `largest`; false for NaN."""
     return all(abs(value) <= largest for value in values)

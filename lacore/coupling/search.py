@@ -28,7 +28,8 @@ from lacore.coupling.interval import (
     load_factor_interval,
     proven_end,
 )
-from lacore.coupling.run import CouplingOptions, Iterate, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Iterate, Run
 from lacore.numerics.arrays import Floats
 from lacore.program.certificate import certify
 from lacore.program.kinematic import KinematicProgram, associated_contact, frictionless_contact

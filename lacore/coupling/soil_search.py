@@ -71,14 +71,15 @@ def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:
         if start.inner.status is Status.LOCKED:  # no dilatant soil moves here, and others may
             start = anchored(run)
         for name, search in SEARCHES.items():
-            own = replace(run, iterates=[start], rates=[], _mapped={})
+            own = run.afresh([start])
             over: OutOfTime | None = None
             if start.inner.point is not None:
                 try:
                     search(own, start.inner.point)
                 except OutOfTime as raised:
                     over = raised
-            yield SoilFound(share, name, own.iterates[0], tuple(own.iterates[1:]), own.accept())
+            final = own.best_proven() if own.relax_tolerance() else None
+            yield SoilFound(share, name, own.iterates[0], tuple(own.iterates[1:]), final)
             if over is not None:
                 raise over
 

@@ -93,9 +93,9 @@ def resumed(run: Run, blend: Blend, patience: int) -> Iterate | None:
             them, what rough solves find.
         blend, patience: see `alternate`.
     """
-    near = run.near
+    start = run.friction_start
     reactions = (
-        _found_roughly(run, near.slip) if near.normal_reaction is None else near.normal_reaction
+        _found_roughly(run, start.slip) if start.normal_reaction is None else start.normal_reaction
     )
     if reactions is None:
         return None
@@ -113,9 +113,9 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
 
     From a slip nearby, else from the associated state.
     """
-    assert run.roughly is not None
+    assert run.prepare_roughly is not None
     rows = run.program.contact
-    with closing(run.roughly(run.program)) as solver:
+    with closing(run.prepare_roughly(run.program)) as solver:
         if slip is None:
             last = run.solve("rough associated", associated_contact(rows), solver=solver)
         else:

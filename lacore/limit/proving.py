@@ -11,9 +11,10 @@ import numpy as np
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.coupling.claims.proving import CLAIMED, prove_claim
+from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.kinds import COUPLINGS
-from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Coupled, Iterate, Run
 from lacore.limit.backend_choice import backend_for, program_to_solve
 from lacore.limit.outcome import Outcome, Proof, Times, outcome_of
 from lacore.limit.stability import stability_of
@@ -36,7 +37,7 @@ class Request(Compact):
     Attributes:
         coupling: Name; None for the default of the backend.
         loop: Options of the loop.
-        near: Friction of a state nearby, in SI units.
+        friction_start: Friction at which the loop may start, in SI units.
     """
 
     backend: str
@@ -45,7 +46,7 @@ class Request(Compact):
     options: Mapping[str, Any]
     on_iterate: Callable[[Iterate], None]
     process: SolverProcess | None
-    near: Nearby
+    friction_start: FrictionStart
 
 
 def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outcome:
@@ -57,7 +58,7 @@ def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outco
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
     program = program_to_solve(problem, backend, coupling, request.coupling)
-    near, loop = request.near.within(program), request.loop
+    start, loop = request.friction_start.within(program), request.loop
     if not program.frictional:
         loop = replace(loop, accepted=None)
     build_time, clock = time.perf_counter() - begin, SolveClock()
@@ -73,8 +74,8 @@ def proven_outcome(problem: Problem | Discretisation, request: Request) -> Outco
             loop,
             request.on_iterate,
             prepare,
-            roughly=lambda own: backend.prepare(own, loose),
-            near=near,
+            prepare_roughly=lambda own: backend.prepare(own, loose),
+            friction_start=start,
             time_limit=options.time_limit,
         )
         coupled = COUPLINGS[coupling].run(run)

@@ -8,8 +8,9 @@ from typing import Any
 import pandas as pd
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import CouplingOptions, Iterate, answered_by
+from lacore.coupling.friction_start import FrictionStart
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Iterate, answered_by
 from lacore.limit.conversion import point_in_si, ray_in_si
 from lacore.limit.hinging import with_hinges
 from lacore.limit.judges.judging import judged
@@ -100,7 +101,7 @@ def solve(
         options=options or {},
         on_iterate=on_iterate or (lambda _: None),
         process=process,
-        near=Nearby(normal_reaction, slip),
+        friction_start=FrictionStart(normal_reaction, slip),
     )
     outcome = with_hinges(given, problem, tolerance, lambda own: proven_outcome(own, request))
     return limit_state(outcome, backend, options or {}).checked(throw)

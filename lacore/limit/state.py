@@ -20,7 +20,7 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.limit.checking import checked
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
-from lacore.limit.tables.contact_table import Table, contact_table
+from lacore.limit.tables.contact_table import RESTING, Table, contact_table
 from lacore.limit.tables.held_parts import support_reactions
 from lacore.model.bodies.continuum.nodal import point_values
 from lacore.model.bodies.continuum.regions import gathering
@@ -40,8 +40,6 @@ from lacore.solvers.compilation import started
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
 
 
 @dataclass(frozen=True, repr=False)
@@ -204,7 +202,7 @@ class LimitState(Reported):
         (m/s) stand there, too; bars have no node. `state`: ``turns``, ``stretches`` or ``rests``.
         """
         point, frames = self._point(), self.discretisation.frames
-        rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+        rest = RESTING * float(np.abs(point.velocity).max(initial=0.0))
         tables = []
         for group, stress in zip(self.discretisation.full.groups, point.stress, strict=True):
             if group.name in frames:

@@ -11,7 +11,8 @@ from scipy.sparse import csr_matrix
 
 import lacore as la
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Run
 from lacore.program.certificate import certify
 from lacore.program.kinematic import DissipationGroup, associated_contact, dimensionless
 from lacore.program.regularization import Penalties, evaluate

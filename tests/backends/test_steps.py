@@ -9,7 +9,8 @@ import pytest
 import lacore as la
 from lacore.coupling.certified import certified_loop
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Run
 from lacore.program.certificate import certify
 from lacore.program.kinematic import dimensionless, reaction_contact
 from lacore.program.regularization import evaluate, penalties

@@ -6,7 +6,8 @@ import pytest
 
 import lacore as la
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Run
 from lacore.program.kinematic import dimensionless
 from lacore_verification.catalogue.catalogue import find
 from tests.benchmarks.measuring import Clocked

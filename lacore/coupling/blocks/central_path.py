@@ -25,7 +25,7 @@ import numpy as np
 
 from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.bounds import kinematic_power
-from lacore.coupling.run import PATH, Iterate, Run
+from lacore.coupling.run import CENTRAL_PATH, Iterate, Run
 from lacore.coupling.steps import (
     FALLS,
     alternate,
@@ -88,7 +88,7 @@ def _stops(run: Run, start: ProgramState) -> Iterator[Iterate]:
     for _ in _STOPS:
         if run.exhausted:
             return
-        found = run.solve(PATH, _frozen(run, start), solver=path)
+        found = run.solve(CENTRAL_PATH, _frozen(run, start), solver=path)
         if not found.inner.iterations:  # it was lost at the last place
             return
         yield found
@@ -131,7 +131,7 @@ def along_path(run: Run, start: ProgramState, spread: float, rng: np.random.Gene
         spread: logarithmic, of the powers of the points.
         rng: of these.
     """
-    return run.solve(PATH, _frozen(run, start), solver=_path(run, start, spread, rng))
+    return run.solve(CENTRAL_PATH, _frozen(run, start), solver=_path(run, start, spread, rng))
 
 
 def _frozen(run: Run, start: ProgramState) -> FrozenContact:

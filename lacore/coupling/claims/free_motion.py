@@ -1,7 +1,8 @@
-"""Whether a velocity dissipates nothing, each part judged by its own strength and weight.
+"""Check that a velocity dissipates nothing, relative to the strength and weight of each part.
 
-Beside a steel block a floor of 10 kPa looks like none, and beside a wall a stone weightless: no sum
-over the structure tells a motion without resistance from one that is only weak.
+A strength of 10 kPa is negligible compared with that of a steel block, and so is the weight of a
+stone compared with that of a wall. Sums over a structure therefore do not distinguish a motion
+without resistance from a motion against a small one.
 """
 
 import numpy as np
@@ -12,23 +13,25 @@ from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.part_forces import forces_at_points, own_loads, part_forces
 from lacore.program.state import ProgramState
 
-_NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
+NO_POWER = 1e-7
+"""Power per stress, length and velocity that counts as zero: interior-point round-off."""
 
 
 def without_dissipation(
     program: KinematicProgram, state: ProgramState, contact: FrozenContact, tolerance: float
 ) -> bool:
-    """Whether nothing strains, rubs, rises or falls at the velocity of a state; false for NaN.
+    """Whether neither strengths, friction nor loads have a power at the velocity of a state.
 
-    Rates are judged per largest velocity, however strong what they would call on; friction that
-    follows the reactions, and dilatancy, by the forces on the lesser of the parts that touch;
-    powers of loads by the loads.
+    Strain rates, and slip against a limit of friction, are relative to the largest velocity. The
+    power of friction that follows the reactions, and of dilatancy, is relative to the smaller of
+    the forces on the two parts that touch, and the power of loads to the loads. The result is false
+    if a value is NaN.
 
     Args:
-        program: dimensionless.
-        state: its velocity is admissible.
-        contact: bounds and dilatancies that friction dissipates with.
-        tolerance: of each ratio.
+        program: Dimensionless program.
+        state: State with an admissible velocity.
+        contact: Friction bounds and dilatancies of the dissipation.
+        tolerance: Tolerance for each ratio.
     """
     u, rows = state.velocity, program.contact
     parts = program.part
@@ -40,7 +43,7 @@ def without_dissipation(
     for group in program.groups:
         length = np.sqrt(float(group.weights.sum()))
         strain = np.linalg.norm(group.cone_vectors(u), axis=1)
-        if group.surfaces is not None:  # what grows strains, too
+        if group.surfaces is not None:  # a change of volume is a strain as well
             volume = np.abs(group.volumetric @ u).reshape(strain.size, -1)
             strain = np.maximum(strain, volume.max(axis=1, initial=0.0))
         if not np.all(length * strain <= tolerance * speed.max()):
@@ -59,7 +62,7 @@ def without_dissipation(
         largest = tolerance * forces_at_points(program, part_forces(program, state)) * fastest
         powers = tolerance * scale
     else:
-        powers = _NO_POWER * max(1.0, float(speed.max()))
+        powers = NO_POWER * max(1.0, float(speed.max()))
         largest = np.full(rows.count, powers)
     dead = abs(float(program.dead_load @ u))
     weakest = tolerance * _weakest(program, loads)
@@ -67,10 +70,10 @@ def without_dissipation(
 
 
 def _weakest(program: KinematicProgram, loads: Floats) -> float:
-    """The least of all strengths, limits of friction and dead loads on parts; 1 without any.
+    """Return the least of all strengths, limits of friction and dead loads on parts, or 1.
 
-    What a load factor is judged by. The largest velocity is no scale for it: a mode that no load
-    drives may have any.
+    A load factor is compared with it. The largest velocity is not a scale for the load factor,
+    because the velocity of a mode that no load drives is arbitrary.
     """
     limit = program.contact.limit
     sizes = np.concatenate([*(g.bound for g in program.groups), limit[np.isfinite(limit)], loads])
@@ -78,7 +81,7 @@ def _weakest(program: KinematicProgram, loads: Floats) -> float:
 
 
 def _fastest(rows: Sparse, dim: int, speed: Floats) -> Floats:
-    """Speed of the fastest part that a cone or point moves with, shape (m,)."""
+    """Return the speed of the fastest part that a cone or point belongs to, shape (m,)."""
     own = csr_matrix(abs(rows)).tocoo()
     result = np.zeros(rows.shape[0] // dim)
     np.maximum.at(result, own.row // dim, speed[own.col])

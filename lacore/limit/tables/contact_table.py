@@ -13,7 +13,8 @@ from lacore.program.kinematic import ContactRows
 from lacore.program.state import ProgramState
 from lacore.reporting.errors import InputError
 
-_MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
+RESTING = 1e-6
+"""Share of the largest velocity below which contact points and hinges count as at rest."""
 OBSTACLE = "obstacle"
 _SIZE = {2: "length", 3: "area"}
 
@@ -26,7 +27,7 @@ def contact_table(discretisation: Discretisation, point: ProgramState) -> pd.Dat
     slip, crushing = rows.slip(point.velocity), discretisation.crushing
     crushed = rows.normal[:, crushing] @ point.velocity[crushing]  # opens what blocks close
     u_n = rows.opening(point.velocity) - crushed
-    rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+    rest = RESTING * float(np.abs(point.velocity).max(initial=0.0))
     slave, master = contact_sides(discretisation)
     states = [u_n + rows.lead > rest, crushed > rest, np.linalg.norm(slip, axis=1) > rest]
     dimension = where.position.shape[1]

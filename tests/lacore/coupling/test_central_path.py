@@ -20,7 +20,8 @@ from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.blocks.matrix import _parity
 from lacore.coupling.certified import averaged
 from lacore.coupling.freezing import associated
-from lacore.coupling.run import CouplingOptions, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Run
 from lacore.coupling.steps import alternate, mean, static_alone
 from lacore.program.kinematic import associated_contact, dimensionless
 from lacore.reporting.status import Status

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.coupling.fixed_point import reaction_loop
-from lacore.coupling.run import CouplingOptions, Run
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Run
 from lacore.numerics.anderson import Anderson
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution

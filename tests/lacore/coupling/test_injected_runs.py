@@ -8,8 +8,9 @@ import pytest
 import lacore as la
 from lacore.coupling.bounds import kinematic_load_factor, kinematic_power
 from lacore.coupling.freezing import friction_of, generous, pressing
-from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import CouplingOptions, Iterate, Run, answered_by, paired, worst
+from lacore.coupling.friction_start import FrictionStart
+from lacore.coupling.options import CouplingOptions
+from lacore.coupling.run import Iterate, Run, answered_by, paired, worst
 from lacore.program.certificate import certify
 from lacore.program.kinematic import Scales, dimensionless, frictionless_contact, reaction_contact
 from lacore.program.regularization import RegularisedValues
@@ -155,17 +156,17 @@ def test_friction_is_that_of_what_presses():
     assert friction_of(program, generous(program, 7.0)) == pytest.approx(7.0 * MU)
 
 
-def test_friction_nearby_is_taken_in_the_units_of_a_program():
+def test_friction_of_another_state_is_taken_in_the_units_of_a_program():
     d, state = sliding()
     scales = Scales(length=2.0, stress=10.0, velocity=0.5)
     program = dimensionless(d.program, scales)
     slip = np.full(program.contact.count, 3.0)
-    found = Nearby(state.normal_reaction, slip).within(program)
+    found = FrictionStart(state.normal_reaction, slip).within(program)
     assert found.normal_reaction == pytest.approx(P0 / 10)
     assert found.slip == pytest.approx(6.0)
     for wrong in (slip[1:], -slip, np.nan * slip):
         with pytest.raises(la.InputError, match="numbers of 0 or more"):
-            Nearby(slip=wrong).within(program)
+            FrictionStart(slip=wrong).within(program)
 
 
 def test_powers_of_a_mechanism():

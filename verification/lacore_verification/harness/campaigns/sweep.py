@@ -8,7 +8,7 @@ from math import prod
 from typing import Any
 
 import lacore as la
-from lacore.coupling.run import CouplingOptions
+from lacore.coupling.options import CouplingOptions
 from lacore.reporting.errors import InputError
 from lacore.solvers.backend import load_backend
 from lacore_verification.case import Case, Variant

@@ -39,7 +39,7 @@ def sizes(case: Case) -> dict[str, type]:
 
 def settings() -> dict[str, type]:
     """Of the coupling loops."""
-    from lacore.coupling.run import CouplingOptions  # loads all loops
+    from lacore.coupling.options import CouplingOptions
 
     return _fields(CouplingOptions)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.coupling.run import PATH
+from lacore.coupling.run import CENTRAL_PATH
 from lacore.limit.solve import solve
 from lacore.reporting.findings import stored
 from lacore.solvers.registry import PROVING_BACKEND
@@ -116,7 +116,7 @@ def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
 
 def _times(state: la.LimitState) -> dict[str, Any]:
     """Times of the inner solves of the backend: by our clock, and as it reports them."""
-    own = state.history[state.history["kind"] != PATH]
+    own = state.history[state.history["kind"] != CENTRAL_PATH]
     reported = own["reported_time"].fillna(own["solve_time"])  # in our process they are the same
     return {
         "solver_time": float(own["solve_time"].sum()),

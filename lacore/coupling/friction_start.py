@@ -1,4 +1,4 @@
-"""Where a loop on a step that hardens begins: friction of a state nearby (T12)."""
+"""Friction of another state, at which the loop of a hardening step starts (T12)."""
 
 from dataclasses import dataclass
 
@@ -11,23 +11,24 @@ from lacore.reporting.showing import Compact
 
 
 @dataclass(frozen=True, repr=False)
-class Nearby(Compact):
-    """Friction at the contact points of another state, each of shape (m,), all >= 0.
+class FrictionStart(Compact):
+    """Friction at the contact points of another state, arrays of shape (m,) with values >= 0.
 
     Attributes:
-        normal_reaction: Pa: of a state so near that its first K-step begins with them.
-        slip: slip rates, m/s at ``F0.u = 1``, of one that is less near: rough solves begin there;
-            None: at the associated state.
+        normal_reaction: Normal reactions, Pa, of a state of the same step, which the first K-step
+            freezes. None lets rough solves find them.
+        slip: Slip rates, m/s at ``F0.u = 1``, of the step before, at which the rough solves start.
+            None lets them start at the associated state.
     """
 
     normal_reaction: Floats | None = None
     slip: Floats | None = None
 
-    def within(self, program: KinematicProgram) -> "Nearby":
-        """The same in the units of a program.
+    def within(self, program: KinematicProgram) -> "FrictionStart":
+        """Return the same friction in the units of a program.
 
         Raises:
-            InputError: it is not that of its contact points.
+            InputError: The arrays do not belong to its contact points.
         """
         count, scales = program.contact.count, program.scales
         given = (
@@ -44,4 +45,4 @@ class Nearby(Compact):
                 fix = "give those of a state with the same contact points, or leave them out"
                 raise InputError(name, None, why, fix)
             found[name] = np.asarray(values, dtype=float) / scale
-        return Nearby(**found)
+        return FrictionStart(**found)
