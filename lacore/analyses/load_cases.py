@@ -102,7 +102,8 @@ class LoadCases(Result):
             size = f"load factor {row['load_factor']:.7g}"
             if np.isnan(row["load_factor"]):
                 size = f"{row['lower']:.7g} <= load factor <= {row['upper']:.7g}"
-            title = f"{self.governing!r} governs {len(self.table)} cases, {size}"
+            every = f"lowest of {len(self.table)} load cases, each alone"
+            title = f"{self.governing!r} governs: {every}, {size}"
         told = {"status": self.message}
         if self.governing:
             told["rigor"] = str(self._least["rigor"])

@@ -90,7 +90,7 @@ class Discretisation(Shown):
             return Claim(
                 "strict upper bound of Coulomb load factors", "friction dilates, or sticks"
             )
-        return Claim("certified Coulomb state", "not a bound, because others may exist")
+        return Claim("certified Coulomb state", "not a bound: other load factors may be possible")
 
     @property
     def assemblies(self) -> dict[str, RigidDofs[BlockAssembly]]:

@@ -38,12 +38,12 @@ class Status(Enum):
         " at least as fast as the friction they were given: the structure may lock itself"
     )
     INVALID_START = (
-        "without friction the dead loads already collapse the structure, so zero reactions are"
-        " no valid start (every arch): use start='associated'"
+        "without friction the structure collapses under the dead loads, so zero reactions are"
+        " not a valid start (every arch): use start='associated'"
     )
     UNSAFE = (
-        "no load factor keeps equilibrium: the dead loads alone collapse the structure; reduce"
-        " them, add supports or strength"
+        "no load factor keeps equilibrium: the structure collapses under the dead loads alone;"
+        " reduce them, add supports or strength"
     )
     LOCKED = (
         "no admissible mechanism feels the reference load (load factor +inf): supports, obstacles,"
@@ -51,8 +51,8 @@ class Status(Enum):
         " it drives"
     )
     FREE = (
-        "the structure moves under the reference load without any dissipation (load factor 0):"
-        " a support, a friction or a strength is missing"
+        "the structure moves under the reference loads without resistance: a support, friction or"
+        " strength is missing"
     )
 
     @property

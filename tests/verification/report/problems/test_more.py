@@ -96,7 +96,7 @@ def test_the_script_runs(answer):
     folder, _ = answer
     script = folder / "out" / "problem.py"
     run = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
-    assert "'wind' governs 2 cases" in run.stdout
+    assert "'wind' governs: lowest of 2 load cases, each alone" in run.stdout
 
 
 WRONG = {

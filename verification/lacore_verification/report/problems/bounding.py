@@ -33,13 +33,14 @@ def _may_choose(state: la.LimitState) -> bool:
 
 
 def _interval(found: la.Interval, units: Units) -> str:
-    """Describe the load factors that the mechanism of a state carries."""
+    """Describe the load factors at which the mechanism of a state is possible."""
     note = "" if found.exact else "; ends as found, not proven"
     if isinf(found.high):
-        return f"this mechanism carries all load factors from {found.low:.6g}{note}"
+        return f"this mechanism is possible at all load factors from {found.low:.6g}{note}"
     if found.high - found.low <= _SAME * abs(found.high):
-        return f"this mechanism carries the load factor {found.high:.6g} only{note}"
-    return f"this mechanism carries load factors from {found.low:.6g} to {found.high:.6g}{note}"
+        return f"this mechanism is possible only at the load factor {found.high:.6g}{note}"
+    ends = f"{found.low:.6g} to {found.high:.6g}"
+    return f"this mechanism is possible at load factors from {ends}{note}"
 
 
 def _bracket(given: Given) -> la.Bracket:
@@ -107,7 +108,7 @@ def _dead_loads_said(found: DeadLoads, units: Units) -> str:
 
 BOUNDING: Mapping[str, Analysis] = {
     "interval": Analysis(
-        doing="computing what the mechanism carries",
+        doing="computing at which load factors the mechanism is possible",
         ask=lambda given: given.state.interval(),
         automatic=_may_choose,
         binding=True,

@@ -53,8 +53,8 @@ def lines(stated: Stated, found: Followed) -> dict[str, str]:
         if not stated.problem.reference_loads:  # tools drive the path: it is their force
             name, size, label = "force", units.size(_force(path)), f" {units.label(_force(path))}"
         told[name] = (
-            f"{loads[0] / size:.6g} to {loads[-1] / size:.6g}{label}, {certified(path)}, but not"
-            " a bound"
+            f"from {loads[0] / size:.6g} in the first step to {loads[-1] / size:.6g}{label} in the"
+            f" last; {certified(path)}, not a bound"
         )
         deepest = units.told(float(overlap.max()), "m", digits=2)  # NaN where one of them is
         told["residual"] = f"gap {gap.max():.1e}, overlap of bodies {deepest}"
@@ -125,6 +125,7 @@ def history_text(stated: Stated, path: la.Path) -> str:
     rows = [list(cells.columns), *cells.to_numpy().tolist()]
     said = ["  ".join(f"{own:>{wide}}" for own, wide in zip(row, widths, strict=True))
             for row in rows]  # fmt: skip
+    said.append("each load is that at the travel in its row, which may lie within a step")
     return "\n" + "\n".join(f"  {line}" for line in said)
 
 
