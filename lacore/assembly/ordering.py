@@ -43,7 +43,7 @@ def point_order(
         number = contact.interface
         own = np.flatnonzero((number >= first) & (number < first + joints.count))
         joint = number[own] - first
-        normal = np.round(points.normal[own].T, _DIGITS) + 0.0
+        normal = np.round(points.normal[own].T, _DIGITS)
         first_along = np.take_along_axis(normal, np.argmax(normal != 0, axis=0)[None], axis=0)
         normal *= np.where(first_along < 0, -1.0, 1.0)
         pair = (
@@ -56,4 +56,4 @@ def point_order(
 
 
 def _digits(place: Floats, size: float) -> Floats:
-    return np.asarray(np.round(place / size, _DIGITS) + 0.0)
+    return np.asarray(np.round(place / size, _DIGITS))

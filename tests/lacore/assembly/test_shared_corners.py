@@ -1,5 +1,7 @@
 """Contact points at corners, where two interfaces of other directions share a node."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,39 @@ def test_two_bodies_at_one_place_have_corners_of_their_own():
         dead_loads=[la.Pressure(name, "top", 1.0) for name in ("one", "two")],
     )
     assert not discretise(problem).shared_corners.any()
+
+
+@pytest.mark.parametrize(("components", "kept"), [("xy", 4), ("y", 7)])
+def test_a_point_that_a_support_holds_whole_is_none(components, kept):
+    """Three edges have seven control points, one edge three; what slides without friction stays."""
+    problem = on_obstacles(0.0, bottom=la.SMOOTH)
+    held = la.Fix("block", lambda x: (x[1] == 0) & (x[0] < 1 / 3 + 1e-9), components)
+    d = discretise(replace(problem, supports=[held]))
+    assert d.full.contact.count == d.points.position.shape[0] == kept
+
+
+def test_friction_where_a_support_takes_the_normal_force_is_undetermined():
+    held = la.Fix("block", lambda x: (x[1] == 0) & (x[0] < 1 / 3 + 1e-9), "y")
+    with pytest.raises(la.InputError, match="a support holds the normal velocity"):
+        discretise(replace(on_obstacles(0.0, bottom=0.3), supports=[held]))
+
+
+def test_a_load_along_a_bond_that_cannot_slip_is_accepted():
+    """A bond to an obstacle is a support; bodies whose nodes move as one have no slip surface."""
+    along = la.Traction("block", "bottom", (1, 0))
+    bonded = replace(on_obstacles(0.0, bottom=la.BOND), dead_loads=[along])
+    discretise(bonded)
+    below = la.Body(la.meshes.rectangle((0, 1), (-1, 0), 3, 2), CRITERION)
+    two = replace(
+        bonded,
+        bodies={**bonded.bodies, "below": below},
+        interfaces=[la.Interface(("block", "bottom"), ("below", "top"), la.BOND)],
+        supports=[la.Fix("below", "bottom")],
+    )
+    discretise(two)
+    other = la.Body(la.meshes.rectangle((0, 1), (-1, 0), 4, 2), CRITERION)
+    with pytest.raises(la.InputError, match="on which side of the slip surface"):
+        discretise(replace(two, bodies={**bonded.bodies, "below": other}))
 
 
 def test_pressures_in_the_pores_are_those_of_bodies_that_have_pores():

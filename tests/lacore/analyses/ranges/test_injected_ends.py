@@ -2,12 +2,20 @@
 
 from dataclasses import replace
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 import lacore as la
-from lacore.analyses.ranges import coulomb
+from lacore.analyses.ranges import continuum, coulomb
 from lacore.analyses.ranges.continuum import continuum_range
+from lacore.bounds.bracket.bracket import Ending
+from lacore.bounds.lower import LowerBound
+from lacore.bounds.upper import UpperBound
+from lacore.reporting.errors import InputError
+from lacore.reporting.kinds import Kind
+from lacore.reporting.status import Rigor
 from tests.lacore.models import deformable_block
 
 
@@ -44,3 +52,71 @@ def test_bounds_that_the_first_solve_found_are_kept(monkeypatch):
 
     monkeypatch.setattr(coulomb, "coulomb_bounds", failing)
     assert la.coulomb_range(problem, restarts=0).bracket == (0.1, 0.4)
+
+
+def bound(kind, load_factor, rigor):
+    """A bound that is made up: what is read of it."""
+    own = object.__new__(kind)
+    for name, value in {"load_factor": load_factor, "rigor": rigor}.items():
+        object.__setattr__(own, name, value)
+    return own
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "ending", "ends", "missing"),
+    [
+        (Rigor.LOWER, Rigor.UPPER, None, (1.0, 2.0), 0),
+        (Rigor.DISCRETE, Rigor.UPPER, None, (-inf, 2.0), 1),
+        (Rigor.LOWER, Rigor.DISCRETE, None, (1.0, inf), 1),
+        (Rigor.LOWER, Rigor.UPPER, Ending.CROSSED, (-inf, inf), 1),
+    ],
+)
+def test_a_bracket_bounds_the_continuum_by_its_strict_sides(
+    monkeypatch, lower, upper, ending, ends, missing
+):
+    """Bounds that cross contradict each other, so that neither is one."""
+    asked = []
+
+    def bracketed(problem, width, *, backend):
+        asked.append((width, backend))
+        below, above = bound(LowerBound, 1.0, lower), bound(UpperBound, 2.0, upper)
+        return SimpleNamespace(lower_bound=below, upper_bound=above, status=ending, failures=())
+
+    monkeypatch.setattr(continuum, "bracket", bracketed)
+    found = continuum_range(la.discretise(deformable_block(0.3)), "clarabel", {}, 0.1)
+    assert (found.lower, found.upper) == ends
+    assert len(found.missing) == missing
+    assert asked == [(0.1, "clarabel")]
+
+
+@pytest.mark.parametrize("failing", ["lower_bound", "upper_bound"])
+def test_a_side_that_is_rejected_leaves_the_other_one(monkeypatch, failing):
+    """The reason is reported for the side that it concerns."""
+
+    def rejected(*given, **more):
+        raise InputError("field", 1, "no bound", "none")
+
+    def proven(*given, **more):
+        if failing == "upper_bound":
+            return bound(LowerBound, 1.0, Rigor.LOWER)
+        return bound(UpperBound, 2.0, Rigor.UPPER)
+
+    monkeypatch.setattr(continuum, "lower_bound", proven)
+    monkeypatch.setattr(continuum, "upper_bound", proven)
+    monkeypatch.setattr(continuum, failing, rejected)
+    found = continuum_range(la.discretise(deformable_block(0.3)), "clarabel", {}, None)
+    side = failing.removesuffix("_bound")
+    assert (found.lower, found.upper) == ((1.0, inf) if side == "upper" else (-inf, 2.0))
+    (missing,) = found.missing
+    assert missing.kind is Kind.NO_BOUND
+    assert side in str(missing)
+
+
+def test_the_step_of_a_path_has_no_range_of_the_continuum():
+    """Contact that closes a distance is a law of the step, and none of the problem."""
+    stated = la.discretise(deformable_block(0.3))
+    contact = replace(stated.program.contact, closing=np.full(stated.program.contact.count, 0.1))
+    moving = replace(stated, program=replace(stated.program, contact=contact))
+    found = continuum_range(moving, "clarabel", {}, None)
+    assert (found.lower, found.upper) == (-inf, inf)
+    assert [own.kind for own in found.missing] == [Kind.STEP_OF_PATH]
