@@ -1,0 +1,189 @@
+"""Decisions of a bracket on bounds and meshes that are made up."""
+
+from dataclasses import replace
+from math import inf, nan
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.bounds.bracket import asking, marking, refine, starts
+from lacore.bounds.bracket.bracket import crossing, proven
+from lacore.reporting.status import Status
+from tests.lacore.models import CRITERION, deformable_block, punch
+
+SOLVED, LOCKED, UNSAFE = Status.SOLVED, Status.LOCKED, Status.UNSAFE
+
+
+@pytest.fixture(scope="module")
+def bounds():
+    """A block that slides, 1.6 from either side."""
+    stated = deformable_block(la.Tresca(0.4))
+    return la.lower_bound(stated), la.upper_bound(stated)
+
+
+def test_only_bounds_that_hold_can_cross(bounds):
+    """A side that is missing is no bound, whatever its number says."""
+    lower, upper = bounds
+    above = replace(lower, load_factor=2 * upper.load_factor)
+    found = crossing(above, upper)
+    assert found is not None
+    assert found.values["lower"] == above.load_factor
+    assert found.values["upper"] == upper.load_factor
+    for one, other in (
+        (replace(above, status=Status.NOT_CERTIFIED), upper),
+        (above, replace(upper, status=Status.NOT_CERTIFIED)),
+    ):
+        assert crossing(one, other) is None
+    assert proven(None, -inf) == -inf
+    assert proven(lower, nan) == lower.load_factor
+    assert np.isnan(proven(replace(lower, status=LOCKED), nan))
+
+
+def test_round_off_of_a_rigid_motion_is_no_crossing(bounds):
+    """Strains of what moves as rigid are round-off of its speed, not of its small load factor."""
+    lower, upper = bounds
+    above = replace(lower, load_factor=upper.load_factor * (1 + 1e-8))
+    assert crossing(above, upper) is not None
+    fast = replace(upper, velocity=1e6 * upper.velocity)
+    assert crossing(above, fast) is None
+
+
+def refining(**more):
+    given = {"best": {}, "failures": {}, "absent": {}, "coulomb": False} | more
+    solver = SimpleNamespace(backend="clarabel")
+    own = SimpleNamespace(**given, solver=solver, _tell=lambda *_: None)
+    own._ask_whether_any = lambda kind, problem: refine._Run._ask_whether_any(own, kind, problem)
+    return own
+
+
+def made_up(load_factor, status=SOLVED):
+    return SimpleNamespace(
+        load_factor=load_factor, status=status, unanswered=lambda backend: f"no answer of {backend}"
+    )
+
+
+def kept(own, kind, *found):
+    for bound in found:
+        asked = SimpleNamespace(kind=kind, problem=punch(2, 2))
+        refine._Run._keep(own, asked, bound)
+    return own.best[kind].load_factor
+
+
+@pytest.mark.parametrize(("kind", "best"), [("lower", 3.0), ("upper", 1.0)])
+def test_the_best_bound_is_kept_whatever_comes_later(kind, best):
+    own = refining()
+    failed = made_up(9.0 if kind == "lower" else -9.0, Status.NOT_CERTIFIED)
+    assert kept(own, kind, made_up(2.0), made_up(1.0), made_up(3.0), failed) == best
+    assert own.failures[kind] == "no answer of clarabel"
+    assert kept(own, kind, made_up(2.0)) == best
+    assert own.failures[kind] is None
+    assert kept(refining(), kind, failed, made_up(2.0)) == 2.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "status", "fails"),
+    [
+        ("lower", UNSAFE, False),
+        ("lower", LOCKED, True),
+        ("upper", LOCKED, False),
+        ("upper", UNSAFE, True),
+    ],
+)
+def test_meshes_with_too_few_elements_are_no_failure(kind, status, fails):
+    own = refining()
+    kept(own, kind, made_up(nan, status))
+    assert (own.failures[kind] is not None) == fails
+    assert not own.absent
+
+
+@pytest.mark.parametrize(
+    ("kind", "status", "other", "absent"),
+    [
+        ("lower", UNSAFE, UNSAFE, True),
+        ("lower", UNSAFE, SOLVED, False),
+        ("upper", LOCKED, LOCKED, True),
+        ("upper", LOCKED, SOLVED, False),
+    ],
+)
+def test_friction_may_leave_no_bound_on_any_mesh(monkeypatch, kind, status, other, absent):
+    """Frictionless bodies that fall, and associated ones that lock, as the other side proves."""
+    asked = []
+
+    def answer(side):
+        return lambda problem, backend, *more: (
+            asked.append((side, backend, *more)) or made_up(0, other)
+        )
+
+    monkeypatch.setattr(refine, "solve", answer("lower"))
+    monkeypatch.setattr(refine, "lower_bound", answer("upper"))
+    own = refining(coulomb=True)
+    kept(own, kind, made_up(nan, status))
+    assert (kind in own.absent) == absent
+    assert asked == [(kind, "clarabel", *(("associated",) if kind == "lower" else ()))]
+    kept(own, kind, made_up(1.0))
+    assert len(asked) == 1
+
+
+def test_shares_of_soil_vanish_where_shear_is_constant():
+    """Zero of equal rates; of rates that cancel, their whole dissipation."""
+    weights = np.array([1.0, 2.0, 1.0, 2.0])
+    group = SimpleNamespace(
+        weights=weights, dim=2, carried=lambda mean: np.array([1.0, 3.0, 2.0, 2.0])
+    )
+    same = np.array([[3.0, 4.0]] * 2)
+    opposite = np.array([[2.0, 0.0], [-1.0, 0.0]])  # weighted they cancel
+    rates = np.concatenate([same, opposite])
+    shares = marking._varying(group, rates, np.zeros(4), 2)
+    assert shares == pytest.approx([0.0, 2.0 * (2.0 + 2.0)])
+
+
+def test_parts_add_up_to_one():
+    assert marking._parts(np.array([1.0, 3.0])) == pytest.approx([0.25, 0.75])
+    assert marking._parts(np.zeros(2)).tolist() == [0.0, 0.0]
+
+
+def test_slivers_and_fine_starts_are_rejected():
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    starts._check("problem", mesh, mesh.nelements)
+    with pytest.raises(la.InputError, match="max_elements"):
+        starts._check("problem", mesh, mesh.nelements - 1)
+    flat = type(mesh)(mesh.p * np.array([[1.0], [1e-3]]), mesh.t)
+    with pytest.raises(la.InputError, match="sliver"):
+        starts._check("problem", flat, 100)
+
+
+def test_a_lower_mesh_is_one_of_the_same_problem():
+    """Its domain and its water are those of the problem between vertices, too."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+
+    def problem(*loads):
+        body = la.Body(mesh, CRITERION)
+        return la.Problem(
+            {"soil": body},
+            [la.Traction("soil", "top", (1, 0))],
+            [la.Fix("soil", "bottom")],
+            dead_loads=loads,
+        )
+
+    finer = la.meshes.rectangle((0, 1), (0, 1), 3, 3)
+    given = starts._given(problem(), finer)
+    assert given.bodies["soil"].mesh.nelements == finer.nelements
+    level = la.PorePressure("soil", lambda x: 2 - x[1])
+    starts._given(problem(level), finer)
+    with pytest.raises(la.InputError, match="other water between its vertices"):
+        starts._given(problem(la.PorePressure("soil", lambda x: x[0] ** 2)), finer)
+    larger = la.meshes.rectangle((0, 2), (0, 1), 3, 3)
+    with pytest.raises(la.InputError, match="covers another domain"):
+        starts._given(problem(), larger)
+
+
+def test_processors_are_those_that_the_process_may_use(monkeypatch):
+    monkeypatch.setattr(asking.os, "sched_getaffinity", lambda _: {0, 5, 7}, raising=False)
+    assert asking.processors() == 3
+    monkeypatch.delattr(asking.os, "sched_getaffinity")
+    monkeypatch.setattr(asking.os, "cpu_count", lambda: 6)
+    assert asking.processors() == 6
+    monkeypatch.setattr(asking.os, "cpu_count", lambda: None)
+    assert asking.processors() == 1
