@@ -29,3 +29,20 @@ def test_single_solves_bound_the_coulomb_load_factor_on_their_side(name, exact, 
     assert COUPLINGS[name].bounds == side
     assert (state.rigor is la.Rigor.UPPER) == (side == "upper")
     assert {"": 0, "upper": 1, "lower": -1}[side] * (exact - CERTIFIED) >= 0
+
+
+@pytest.mark.parametrize(
+    ("name", "dilates", "stronger", "weaker"),
+    [
+        ("certified", False, False, False),  # the given friction: no model
+        ("reaction", False, False, False),
+        ("shift", False, False, False),
+        ("associated", True, True, False),  # T14: above all Coulomb load factors
+        ("frictionless", False, False, True),  # below all of them
+        ("stick", False, True, False),
+        ("davis", True, True, True),  # bounds nothing
+    ],
+)
+def test_a_model_errs_on_the_sides_that_it_does_not_bound(name, dilates, stronger, weaker):
+    kind = COUPLINGS[name]
+    assert (kind.dilates, kind.may_be_stronger, kind.may_be_weaker) == (dilates, stronger, weaker)
