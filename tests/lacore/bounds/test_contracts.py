@@ -1,0 +1,103 @@
+"""What bounds promise in any unit, and where a yield surface or a boundary is replaced."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.assembly.discretise import discretise
+from lacore.bounds.equilibrium import EquilibriumDofs
+from lacore.bounds.static_contact import _matched
+from lacore.bounds.static_model import static_model
+from lacore.bounds.velocity_projection import admissible_velocity
+from lacore.limit.conversion import point_in_program
+from lacore.model.bodies.any_body import numbered
+from lacore.program.kinematic import dimensionless
+from lacore.reporting.kinds import Kind
+from tests.lacore.models import CRITERION, deformable_block
+
+
+@pytest.mark.parametrize("friction", [la.Coulomb(0.3, associated=True), la.Tresca(0.4)])
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+def test_an_admissible_velocity_does_not_depend_on_the_unit_of_speed(friction, factor):
+    """It is normalised by the power of the load; what slides keeps sliding, and dilates by it."""
+    d = discretise(deformable_block(friction))
+    program = dimensionless(d.program, d.natural)
+    velocity = point_in_program(d, la.solve(d).point).velocity
+    one, other = (admissible_velocity(program, own * velocity) for own in (1.0, factor))
+    assert np.abs(one - velocity).max() <= 1e-6 * np.abs(velocity).max()
+    assert np.abs(other - one).max() <= 1e-12 * np.abs(one).max()
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "matches"),
+    [
+        ((0, 0), (1, 0), True),
+        ((1, 0), (0, 0), True),
+        ((0, 0), (2, 0), False),
+        ((0.5, 0), (1, 0), False),
+        ((1, 0), (2, 0), False),
+    ],
+)
+def test_edges_of_two_sides_match_at_both_ends_or_not_at_all(start, end, matches):
+    """Tractions that are linear on both edges would have to be linear on the whole."""
+    body = la.Body(la.meshes.rectangle((0, 1), (-1, 0), 1, 1), CRITERION)
+    (dofs,) = numbered({"low": body}, EquilibriumDofs.at).values()
+    facets, interface = body.mesh.boundaries["top"], SimpleNamespace(name="contact")
+    ends = tuple(np.array(own, dtype=float)[:, None] for own in (start, end))
+    if matches:
+        first, last = _matched(dofs, interface, facets, ends, "field")
+        nodes = dofs.facet_nodes(facets)[:, 0]
+        place = body.mesh.p[0, body.mesh.facets[:, facets[0]]]
+        expected = nodes if place[0] == start[0] else nodes[::-1]
+        assert [first, last] == expected.tolist()
+        return
+    with pytest.raises(la.InputError, match="the meshes of its two sides do not match"):
+        _matched(dofs, interface, facets, ends, "field")
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e6])
+def test_the_natural_speed_has_unit_power_on_the_reference_load(unit):
+    """Solvers see forces whose sum at this speed is one."""
+    stated = deformable_block(la.Tresca(0.4))
+    load = la.Traction("block", "left", (unit, 0))
+    model = static_model(replace(stated, reference_loads=[load]))
+    forces = np.abs(model.full.reference_load).sum()
+    assert forces * model.natural.velocity == pytest.approx(1.0)
+    scaled = dimensionless(model.program, model.natural).reference_load
+    assert np.abs(scaled).sum() <= 1.0 + 1e-12
+
+
+@pytest.mark.parametrize("geometry", ["exact", "approximated"])
+def test_a_bound_on_edges_that_replace_a_curve_is_labelled(geometry):
+    """It is strict for the polygon alone, and says so."""
+    stated = deformable_block(la.Tresca(0.4))
+    body = replace(stated.bodies["block"], geometry=geometry)
+    problem = replace(stated, bodies={"block": body})
+    lower, upper = la.lower_bound(problem), la.upper_bound(problem)
+    strict = geometry == "exact"
+    assert lower.rigor is (la.Rigor.LOWER if strict else la.Rigor.DISCRETE)
+    assert upper.rigor is (la.Rigor.UPPER if strict else la.Rigor.DISCRETE)
+    warned = [own.kind for own in lower.findings if own.kind is Kind.POLYGON]
+    assert len(warned) == (0 if strict else 1)
+
+
+@pytest.mark.parametrize(
+    ("polygon", "rigor"), [("inner", la.Rigor.DISCRETE), ("outer", la.Rigor.UPPER)]
+)
+def test_a_polygon_inside_of_a_yield_curve_proves_no_upper_bound(polygon, rigor):
+    """A clamped column of a rectangular section, M = M_p (1 - (N/N_p)^2)."""
+    section = la.sections.rectangle(1.0, 0.5, yield_stress=16.0, layers=2, polygon=polygon)
+    frame = la.Frame({"a": (0, 0), "b": (0, 3.0)}, [("a", "b")], sections=section)
+    problem = la.Problem(
+        {"column": frame},
+        [la.PointForce("column", "b", (1, 0))],
+        [la.Fix("column", "a", "clamped")],
+        dead_loads=[la.PointForce("column", "b", (0, -2.4))],  # 0.3 N_p
+    )
+    found = la.upper_bound(problem)
+    assert found.rigor is rigor
+    exact = (1 - 0.3**2) / 3.0
+    assert (found.load_factor < exact) == (polygon == "inner")
