@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import dblquad
+from scipy.sparse import csr_matrix
 
 import lacore as la
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness, smallest_angle
+from lacore.bounds.static_corners import _free, _resisted
 from lacore.bounds.stresses.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
@@ -280,3 +282,43 @@ def test_a_jump_gives_half_of_its_power_to_either_side():
     assert power.sum() == pytest.approx(1.0)
     assert power[upper].sum() == pytest.approx(0.5)
     assert np.count_nonzero(power > 1e-12) == 2
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_noise_is_relative_to_the_forces(unit):
+    """A small reaction stays, and noise goes, in units of any size."""
+    program = replace(
+        LIMITED,
+        dead_load=unit * LIMITED.dead_load,
+        contact=replace(LIMITED.contact, limit=unit * LIMITED.contact.limit),
+    )
+    state = at(RUBBING, unit)
+    pressed = state.normal_reaction.copy()
+    pressed[:2] = 1e-6 * unit, 1e-13 * unit
+    found = within_friction(program, replace(state, normal_reaction=pressed), 0.0)
+    assert found.normal_reaction[:2].tolist() == [1e-6 * unit, 0.0]
+    assert np.array_equal(found.normal_reaction[2:], pressed[2:])
+
+
+def test_supports_allow_a_motion_in_the_span_of_what_they_leave_free():
+    """Columns are orthogonal, of any length."""
+    basis = csr_matrix(np.array([[3.0, 0.0], [4.0, 0.0], [0.0, 0.1], [0.0, 0.0]]))
+    assert _free(np.array([6.0, 8.0, -7.0, 0.0]), basis)
+    assert not _free(np.array([6.0, 8.0, -7.0, 1e-3]), basis)
+    assert not _free(np.array([-4.0, 3.0, 0.0, 0.0]), basis)
+
+
+def test_contact_resists_what_opens_and_what_rubs():
+    """Slip without friction is free; penetration counts as opening does."""
+    full = SLIDING.full
+    q = on_free_unknowns(SLIDING, lambda x: np.stack([np.ones_like(x[0]), 0 * x[0]]))
+    lifted = on_free_unknowns(SLIDING, lambda x: np.stack([0 * x[0], np.ones_like(x[0])]))
+    slides, opens = (SLIDING.free_basis @ own for own in (q, lifted))
+    none = np.zeros(full.contact.count)
+    smooth = replace(full, contact=replace(full.contact, limit=none, dilatancy=none))
+    assert not _resisted(slides, smooth)
+    assert _resisted(opens, smooth)
+    assert _resisted(-opens, smooth)
+    for rough in ("limit", "dilatancy"):
+        contact = replace(smooth.contact, **{rough: none + 0.1})
+        assert _resisted(slides, replace(smooth, contact=contact))

@@ -8,6 +8,7 @@ import pytest
 
 import lacore as la
 from lacore.assembly.discretise import discretise
+from lacore.bounds import lower as lower_module
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import _matched
 from lacore.bounds.static_model import static_model
@@ -16,7 +17,7 @@ from lacore.limit.conversion import point_in_program
 from lacore.model.bodies.any_body import numbered
 from lacore.program.kinematic import dimensionless
 from lacore.reporting.kinds import Kind
-from tests.lacore.models import CRITERION, deformable_block
+from tests.lacore.models import CRITERION, cantilever, deformable_block
 
 
 @pytest.mark.parametrize("friction", [la.Coulomb(0.3, associated=True), la.Tresca(0.4)])
@@ -101,3 +102,17 @@ def test_a_polygon_inside_of_a_yield_curve_proves_no_upper_bound(polygon, rigor)
     assert found.rigor is rigor
     exact = (1 - 0.3**2) / 3.0
     assert (found.load_factor < exact) == (polygon == "inner")
+
+
+def test_a_collapse_under_dead_load_is_proven_as_sharply_as_a_state(monkeypatch):
+    """A velocity that proves it leaves no more than a limit state may leave by default."""
+    asked, prove = [], lower_module.prove_claim
+
+    def proving(*given):
+        asked.append(given[-1])
+        return prove(*given)
+
+    monkeypatch.setattr(lower_module, "prove_claim", proving)
+    heavy = replace(cantilever(), dead_loads=[la.BodyForce("block", (0, -10.0))])
+    assert la.lower_bound(heavy).status is la.Status.UNSAFE
+    assert asked == [la.solve(cantilever()).tolerance]

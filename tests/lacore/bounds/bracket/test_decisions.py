@@ -187,3 +187,69 @@ def test_processors_are_those_that_the_process_may_use(monkeypatch):
     assert asking.processors() == 6
     monkeypatch.setattr(asking.os, "cpu_count", lambda: None)
     assert asking.processors() == 1
+
+
+def run_with(lower=None, upper=None, **more):
+    best = {"lower": lower, "upper": upper}
+    given = {"target": 0.1, "coulomb": False, "pressure_dependent": False} | more
+    return refine._Run(
+        bodies=["soil"],
+        solver=None,
+        begin=0.0,
+        max_elements=1000,
+        on_step=None,
+        best={kind: made_up(own) for kind, own in best.items() if own is not None},
+        **given,
+    )
+
+
+def test_a_bound_may_lose_a_quarter_of_the_width_that_is_expected():
+    """As a load factor; of the target where less than that is expected, of zero next to nothing."""
+    run = run_with(9.0, 11.0)
+    assert (run.lower, run.upper, run.size) == (9.0, 11.0, 11.0)
+    assert run.width == pytest.approx(0.2)
+    assert run._asked("lower", None, 0.2).affordable == pytest.approx(0.25 * 0.2 * 11)
+    assert run._asked("lower", None, 0.01).affordable == pytest.approx(0.25 * 0.1 * 11)
+    about_zero = run_with(-1.0, 1.0)
+    assert about_zero._asked("upper", None, 0.2).affordable == pytest.approx(0.25 * 1e-3 * 0.1)
+    assert run_with()._asked("upper", None, np.inf).affordable == np.inf
+
+
+@pytest.mark.parametrize("soil", [False, True])
+@pytest.mark.parametrize("kind", ["lower", "upper"])
+def test_solvers_are_asked_for_a_share_of_the_width(kind, soil):
+    """In proportion to the width while it is small, and sharper for soils."""
+    run = run_with(0.99, 1.0, target=1e-4, pressure_dependent=soil)
+    one, ten = (run._asked(kind, None, own).tolerance for own in (1e-3, 1e-2))
+    assert ten == pytest.approx(10 * one)
+    assert one == pytest.approx(1e-3 * (1e-3 if not soil else {"lower": 1e-4, "upper": 3e-6}[kind]))
+    assert run._asked(kind, None, 1e9).tolerance == refine._LOOSEST
+    sharper = run_with(0.99, 1.0, target=1e-4, pressure_dependent=soil, sharper={kind: 0.5})
+    assert sharper._asked(kind, None, 1e-2).tolerance == pytest.approx(ten / 2)
+    stays_wide = run_with(0.1, 1.0, target=1e-4, pressure_dependent=soil, coulomb=True)
+    assert stays_wide._asked(kind, None, 1e-2).tolerance <= one
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "unsigned"),
+    [
+        (-1.0, 1.0, True),
+        (0.0, 0.0, True),
+        (1e-9, 1.0, True),
+        (-1.0, -1e-9, True),
+        (1e-3, 1.0, False),
+        (-1.0, -1e-3, False),
+        (None, 1.0, False),
+        (-1.0, None, False),
+    ],
+)
+def test_the_sign_of_a_load_factor_is_known_where_zero_is_outside(lower, upper, unsigned):
+    assert run_with(lower, upper).unsigned == unsigned
+
+
+def test_without_a_proven_bound_there_is_no_size_and_no_crossing():
+    run = run_with()
+    assert (run.lower, run.upper, run.width, run.size) == (-inf, inf, inf, inf)
+    assert run_with(-3.0).size == 3.0
+    assert not run_with(2.0, 1.0).crossed  # numbers that are no bounds of either kind
+    assert run.natural == 1.0
