@@ -21,9 +21,9 @@ class Steps:
             "s_steps": lambda run: first,
             "gap": lambda step: step.gap,
             "pressing": lambda program, point: np.zeros(1),
-            "carried_k_step": self.k_step,
+            "feasible_k_step": self.k_step,
             "s_step": self.s_step,
-            "carries": lambda run, step: step.carries,
+            "proves_load": lambda run, step: step.carries,
         }.items():
             monkeypatch.setattr(settling, name, function)
 
@@ -83,7 +83,7 @@ def test_a_step_that_proves_is_the_answer(monkeypatch, end, k, s):
 @pytest.mark.parametrize("end", [("k", 2), ("s", 1)])
 def test_a_step_that_carries_nothing_ends_without_an_answer(monkeypatch, end):
     run = Steps(monkeypatch, [2.0], [1.0, 0.5], end)
-    monkeypatch.setattr(settling, "carries", lambda run, step: False)
+    monkeypatch.setattr(settling, "proves_load", lambda run, step: False)
     assert settling._hurried(run, "static") is None
     assert run.s == (end[0] == "s")
 

@@ -130,7 +130,7 @@ def test_shares_of_soil_vanish_where_shear_is_constant():
     """Zero of equal rates; of rates that cancel, their whole dissipation."""
     weights = np.array([1.0, 2.0, 1.0, 2.0])
     group = SimpleNamespace(
-        weights=weights, dim=2, carried=lambda mean: np.array([1.0, 3.0, 2.0, 2.0])
+        weights=weights, dim=2, strength_at=lambda mean: np.array([1.0, 3.0, 2.0, 2.0])
     )
     same = np.array([[3.0, 4.0]] * 2)
     opposite = np.array([[2.0, 0.0], [-1.0, 0.0]])  # weighted they cancel
