@@ -1,1 +1,1 @@
-"""From a problem to its kinematic program (T6)."""
+"""Assembly of the kinematic program of a problem (T6)."""

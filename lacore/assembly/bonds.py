@@ -1,10 +1,10 @@
-"""Bonded interfaces: boundaries that move as one, up to the strength of the weaker side.
+"""Bonded interfaces: boundaries that move together, up to the strength of the weaker side.
 
 Where the edges of two continua match, and velocities are continuous on both sides, their nodes move
-as one: a body that is cut in two, and bonded, is the uncut one. Elsewhere velocities may jump, at
-the cost of a layer of the weaker side: see `lacore.assembly.seams`. A rigid obstacle holds what is
-bonded to it like a support. What is rigid on both sides has no strength at which a bond could
-break: it moves as one.
+together: a body that is cut in two, and bonded, is the uncut one. Elsewhere velocities may jump, at
+the cost of a layer of the weaker side: see `lacore.assembly.seams`. A rigid obstacle holds a bonded
+body like a support. Two rigid sides have no strength at which a bond could break, and move
+together.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,11 +27,11 @@ from lacore.numerics.null_space import null_space_by_parts
 
 @dataclass(frozen=True)
 class Ties:
-    """Nodes of continua that move as one.
+    """Nodes of continua that move together.
 
     Attributes:
-        first: the first node of those that each one moves with, mostly itself, shape (nodes,).
-        tied: which segments of each interface that makes them so, by its number.
+        first: the first node that each one moves with, usually itself, shape (nodes,).
+        tied: which segments of each interface tie them, by its number.
     """
 
     first: Ints
@@ -48,18 +48,18 @@ class Ties:
         return np.repeat(np.eye(2)[:, None], self.following.size, axis=1)
 
     def all_of(self, nodes: Bools) -> Bools:
-        """Those of a mask, and all that move with one of them, shape (nodes,)."""
+        """Return a mask of nodes with all nodes that move with them, shape (nodes,)."""
         return np.isin(self.first, self.first[nodes])
 
     def spread(self, basis: Sparse, node_dofs: Ints) -> Sparse:
-        """A basis in which the nodes that follow have no rows, with those of what they follow."""
+        """Return a basis in which tied nodes, without rows, move with the first ones."""
         row, own = np.arange(basis.shape[0]), self.following
         row[node_dofs[:, own]] = node_dofs[:, self.first[own]]
         return csr_matrix(basis[row]) if own.size else basis
 
 
 def ties(problem: Problem, bodies: Mapping[str, BodyDofs]) -> Ties:
-    """Which nodes of the continua of a problem its bonds make one."""
+    """Return which nodes of the continua the bonds of a problem tie."""
     count = sum(own.nodes.shape[1] for own in bodies.values())
     pairs, tied = [np.zeros((2, 0), dtype=np.int64)], {}
     for index, interface, segments in problem.bonds:
@@ -84,12 +84,12 @@ def ties(problem: Problem, bodies: Mapping[str, BodyDofs]) -> Ties:
 
 
 def matching(one: BodyDofs, other: BodyDofs, segments: Segments) -> tuple[Bools, Bools]:
-    """Segments that are a whole edge of both sides, and which of them run against each other."""
+    """Return which segments are a whole edge of both sides, and which of them are reversed."""
     near = max(one.body.allowed, other.body.allowed)
 
     def ends(dofs: BodyDofs, edges: Ints) -> Floats:
         mesh = dofs.body.mesh
-        return np.asarray(mesh.p[:, mesh.facets[:, edges]])  # (2, ends, segments)
+        return np.asarray(mesh.p[:, mesh.facets[:, edges]])  # shape (2, ends, segments)
 
     a, b = ends(one, segments.slave), ends(other, segments.master)
     straight, turned = (
@@ -99,7 +99,7 @@ def matching(one: BodyDofs, other: BodyDofs, segments: Segments) -> tuple[Bools,
 
 
 def supports_of(problem: Problem) -> Sequence[Fix]:
-    """The supports of a problem, and the obstacles that something is bonded to, as such."""
+    """Return the supports of a problem, including obstacles to which bodies are bonded."""
     return (*problem.supports, *(Fix(*one.slave, "xy") for one in _held(problem)))
 
 
@@ -108,14 +108,17 @@ def _held(problem: Problem) -> list[Interface]:
 
 
 def rigid_basis(problem: Problem, rigid: Mapping[str, RigidParts], n: int) -> Sparse:
-    """What supports and bonds leave free of rigid bodies, the last m of n unknowns, (m, free)."""
+    """Return a basis of rigid bodies with supports and bonds, (m, free).
+
+    The m unknowns of rigid bodies are the last ones of n.
+    """
     basis = _supported(problem, rigid)
     rows = rigid_bonds(problem, rigid, n)[:, n - basis.shape[0] :]
     return csr_matrix(basis @ null_space_by_parts(rows @ basis)) if rows.shape[0] else basis
 
 
 def _supported(problem: Problem, rigid: Mapping[str, RigidParts]) -> Sparse:
-    """What supports leave free of rigid bodies, of their m unknowns, (m, free)."""
+    """Return a basis of the m unknowns of rigid bodies with supports, (m, free)."""
     supports = supports_of(problem)
     own = [
         part.free([support for support in supports if support.body == name])
@@ -125,7 +128,7 @@ def _supported(problem: Problem, rigid: Mapping[str, RigidParts]) -> Sparse:
 
 
 def rigid_bonds(problem: Problem, rigid: Mapping[str, RigidParts], n: int) -> Sparse:
-    """Rows of n unknowns that bonds of rigid bodies with each other make zero, shape (k, n)."""
+    """Return the rows of n unknowns that bonds between rigid bodies make zero, shape (k, n)."""
     found = [csr_matrix((0, n))]
     for _, interface, segments in problem.bonds:
         names = [name for name, _ in interface.sides]
@@ -140,9 +143,9 @@ def rigid_bonds(problem: Problem, rigid: Mapping[str, RigidParts], n: int) -> Sp
 
 
 def without_bonds(problem: Problem, rigid: Mapping[str, RigidParts], force: Floats) -> Floats:
-    """Forces of supports and bonds on all unknowns, less those of bonds of rigid bodies, (n,).
+    """Return the forces of supports and bonds minus those of bonds between rigid bodies, (n,).
 
-    Where supports make bonds redundant, the least that these may be.
+    Where supports make bonds redundant, the smallest possible forces of bonds are used.
     """
     rows = rigid_bonds(problem, rigid, force.size)
     if not rows.shape[0]:
@@ -155,12 +158,12 @@ def without_bonds(problem: Problem, rigid: Mapping[str, RigidParts], force: Floa
 
 
 def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Ints:
-    """Parts of unknowns, shape (n,), where what moves as one has its equilibrium as one.
+    """Return the parts of unknowns, shape (n,), with bodies that move together as one part.
 
     Args:
-        parts: without bonds.
-        problem: whose bonds they are.
-        dofs: of all bodies.
+        parts: parts without bonds.
+        problem: problem with the bonds.
+        dofs: unknowns of all bodies.
     """
     pairs = [np.zeros((2, 0), dtype=np.int64)]
     for _, interface, segments in problem.bonds:
@@ -178,7 +181,7 @@ def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Int
 
 
 def _unknowns(dofs: Dofs, edges: Ints) -> Ints:
-    """An unknown of the piece that each edge belongs to; a continuum is one piece."""
+    """Return an unknown of the piece that each edge belongs to; a continuum is one piece."""
     pieces = dofs.pieces_of_unknowns
     piece = np.minimum(dofs.parts(edges), pieces.max())
     return np.asarray(dofs.offset + np.searchsorted(pieces, piece))

@@ -1,4 +1,4 @@
-"""An assembled problem: its programs, and which of their numbers stand for what."""
+"""An assembled problem: its programs, and the meaning of their unknowns."""
 
 from __future__ import annotations
 
@@ -33,28 +33,29 @@ _OF_POLYGONS = {
 
 @dataclass(frozen=True, repr=False)
 class Discretisation(Shown):
-    """An assembled problem.
+    """Assembled problem.
 
     Attributes:
-        problem: what was assembled.
-        full: the program for all unknowns, SI units.
-        program: the program for the free unknowns q, SI units.
+        problem: the problem.
+        full: program of all unknowns, SI units.
+        program: program of the free unknowns q, SI units.
         free_basis: ``U = free_basis @ q``.
         held_nodes: which nodes a support or a footing acts on, shape (nodes of all continua,).
         continua: deformable bodies by name.
         blocks: assemblies of rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
-        jumps: velocity jumps of the regions of continua (T23), by name (of a region ``soil.clay``):
-            of those whose space has them, and of those that slip along boundaries. Groups of the
-            programs: the regions of the continua, these, the seams, the hinges of frames.
-        seams: jumps across bonded interfaces, by their names, where the sides do not move as one.
-        slips: the boundaries along which continua slip past what holds them, by name.
+        jumps: velocity jumps of the regions of continua (T23), by name (of a region ``soil.clay``),
+            where the velocity space has jumps or the body slips along boundaries. Groups of the
+            programs are the regions of the continua, these jumps, the seams, and the hinges of
+            frames.
+        seams: jumps across bonded interfaces by name, where the sides do not move together.
+        slips: boundaries along which continua slip past their supports, by name.
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
-        footings: unknowns of the footings, in the order of the loads: the speed of each along its
-            direction, in space then about the axes about which it turns, shape (f,).
-        natural: scales in which the quantities of the answer are of order one (T20).
+        footings: unknowns of the footings in the order of the loads: the speed of each along its
+            direction, then in three dimensions the rotations about its axes, shape (f,).
+        natural: scales in which the results are of order one (T20).
     """
 
     problem: Problem
@@ -75,7 +76,7 @@ class Discretisation(Shown):
 
     @property
     def scope(self) -> Scope:
-        """Of which problem its load factors are."""
+        """Problem to which its load factors belong."""
         return Scope.DISCRETE if self.continua or self.crushing.size else Scope.ITSELF
 
     def claim(self, rigor: Rigor) -> Claim:
@@ -94,17 +95,17 @@ class Discretisation(Shown):
 
     @property
     def assemblies(self) -> dict[str, RigidDofs[BlockAssembly]]:
-        """Those of `blocks` that are in the plane."""
+        """Plane assemblies of `blocks`."""
         return dofs_of_kind(self.blocks, BlockAssembly)
 
     @property
     def solids(self) -> dict[str, RigidDofs[BlockAssembly3D]]:
-        """Those of `blocks` that are in space."""
+        """Three-dimensional assemblies of `blocks`."""
         return dofs_of_kind(self.blocks, BlockAssembly3D)
 
     @property
     def crushing(self) -> Ints:
-        """Unknowns of points that crush, see `RigidDofs`; none of them touches two points."""
+        """Unknowns of points that crush, see `RigidDofs`; none of them acts on two points."""
         own = [dofs.crushing for dofs in self.blocks.values()]
         return np.concatenate([np.zeros(0, dtype=np.int64), *own])
 
@@ -119,7 +120,7 @@ class Discretisation(Shown):
         return sized(self.n_elements, self.program.n, self.program.contact.count)
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the size and contents, for printing."""
         natural, free = self.natural, counted(self.program.n, "free unknown")
         told = {
             "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
@@ -132,7 +133,7 @@ class Discretisation(Shown):
         return Facts(f"Discretisation: {free}, of {self.scope.value}", told)
 
     def picture(self) -> Picture:
-        """The problem."""
+        """Return the picture of the problem."""
         return Picture(self.problem.plot(), "the problem")
 
     @property

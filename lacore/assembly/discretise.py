@@ -1,4 +1,4 @@
-"""From a `Problem` to the kinematic program (T6), vectorised."""
+"""Assembly of the kinematic program (T6) of a `Problem`, vectorised."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ Contact = Callable[
 def touching(
     interfaces: Sequence[Interface], segments: Sequence[Touching], unknowns: Unknowns
 ) -> tuple[ContactRows, ContactPoints]:
-    """Contact where bodies touch: see `lacore.model.contact.rows.contact_rows`."""
+    """Return contact where bodies touch: see `lacore.model.contact.rows.contact_rows`."""
     return contact_rows(
         interfaces, segments, unknowns.dofs, unknowns.blocks, unknowns.n, unknowns.dimension
     )
 
 
 def held_in_members(unknowns: Unknowns) -> Floats:
-    """Forces in balance by which members differ in tension and compression, shape (n,), N/m."""
+    """Return the balanced forces of members with unequal tension and compression, (n,), N/m."""
     force = np.zeros(unknowns.n)
     for own in unknowns.frames.values():
         force[own.offset : own.offset + own.count] = own.held
@@ -63,7 +63,7 @@ def held_in_members(unknowns: Unknowns) -> Floats:
 
 
 def _jumps(problem: Problem, unknowns: Unknowns, name: str, slip: Slip | None) -> list[Jumps]:
-    """Those of a continuum, in the plane on edges, in space on faces."""
+    """Return the jumps of a continuum, on edges in the plane or on faces in three dimensions."""
     own, footings = unknowns.continua[name], tuple(unknowns.footings)
     if own.body.dimension == 2:
         return jumps(name, own, unknowns.n, slip)
@@ -73,12 +73,12 @@ def _jumps(problem: Problem, unknowns: Unknowns, name: str, slip: Slip | None) -
 
 @typed()
 def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:
-    """Assemble a problem, its contact by `contact_of`.
+    """Assemble a problem, with its contact by `contact_of`.
 
     Raises:
-        InputError: a footing that cannot move, a reference load that does no power because it
-            acts on supports alone, rigid bodies under no dead load, tetrahedra whose factors
-            would take more memory than there is.
+        InputError: a footing that cannot move, a reference load without power because it acts on
+            supports alone, rigid bodies without dead load, or tetrahedra whose factors need more
+            memory than available.
 
     Example:
         >>> discrete = la.discretise(la.examples.footing())  # once, for several backends
@@ -162,13 +162,13 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
 def shared_corners(
     contact: ContactRows, points: ContactPoints, problem: Problem, continua: Container[str]
 ) -> Bools:
-    """Coulomb points at corners of continua that meet contact of another direction, shape (m,).
+    """Return the Coulomb points at corners with contact of another direction, shape (m,).
 
     Raises:
         InputError: the other one sticks by law, and so takes an unknown part of the normal force.
     """
     bodies = list(problem.bodies)
-    # Joints of rigid blocks, numbered after the interfaces, meet at corners as a rule.
+    # Joints of rigid blocks, numbered after the interfaces, usually meet at corners.
     own = contact.interface < len(problem.interfaces)
     owner = [
         bodies.index(interface.slave[0]) if interface.slave[0] in continua else -1
@@ -196,13 +196,13 @@ def shared_corners(
 
 
 def _movable_points(contact: ContactRows, points: ContactPoints) -> Bools:
-    """Contact points that no support holds altogether, shape (m,).
+    """Return the contact points that supports do not hold completely, shape (m,).
 
-    A held point carries what the support carries: its reaction is undetermined and its slip zero.
+    A held point carries the force of the support: its reaction is undetermined and its slip zero.
 
     Raises:
-        InputError: a point that slides with friction, while a support takes its normal force: any
-            friction would be as good as any other.
+        InputError: a point slides with friction while a support takes its normal force, so that its
+            friction is undetermined.
     """
     held = np.diff(contact.normal.indptr) == 0
     slides = np.diff(contact.tangential.indptr).reshape(-1, contact.tangent_dim).any(axis=1)

@@ -1,9 +1,9 @@
-"""Loads on surfaces that something else holds: they act on what holds them (T23, T90).
+"""Loads on surfaces that supports or footings hold: they act on the support (T23, T90).
 
-Where a body slips past a support or a footing, its velocity at the surface is that inside of the
-layer that slips. A traction on the surface acts outside of this layer, on what holds the body, and
-does power on its velocity: a support takes it, a footing is moved by it. Where the body sticks,
-both velocities are the same, and it makes no difference.
+Where a body slips past a support or a footing, its velocity at the surface is that inside the slip
+layer. A traction on the surface acts outside of this layer, on the support, and has power on its
+velocity: a support takes it, and a footing is moved by it. Where the body sticks, both velocities
+are equal, and there is no difference.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,17 +26,17 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-9  # of a load: components along facets from the round-off of their normals
+_ROUND_OFF = 1e-9  # by the load: components along facets from the round-off of their normals
 
 
 @dataclass(frozen=True, repr=False)
 class _Held(Compact):
-    """Facets of a body that one support or footing holds while the body slips past them.
+    """Facets of a body that slip past one support or footing.
 
     Attributes:
-        facets: Of the mesh, shape (e,).
-        directions: Orthonormal directions that are held, zero for none, shape (k, d, e).
-        speeds: Unknowns of the footing, shape (s,); none of a support.
+        facets: Facets of the mesh, shape (e,).
+        directions: Orthonormal held directions, zero for none, shape (k, d, e).
+        speeds: Unknowns of the footing, shape (s,); empty for a support.
         motions: Velocities of the nodes of the body for each of these speeds, shape (s, d, nodes).
     """
 
@@ -49,16 +49,16 @@ class _Held(Compact):
 def moved_to_holders(
     loads: Sequence[Load], problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip]
 ) -> Floats:
-    """Return what has to be added to nodal forces of loads so that they act on what holds bodies.
+    """Return the changes of nodal forces that let loads act on supports and footings.
 
     Args:
-        loads: Of one kind.
-        problem: That they are loads of.
-        unknowns: Of the problem.
-        slipping: Where bodies of the plane slip, see `lacore.assembly.slips`.
+        loads: Loads of one kind.
+        problem: Problem of the loads.
+        unknowns: Unknowns of the problem.
+        slipping: Where plane bodies slip, see `lacore.assembly.slips`.
 
     Returns:
-        Forces on all unknowns, shape (n,), N/m; in space N.
+        Forces on all unknowns, shape (n,), N/m; in three dimensions N.
     """
     total = np.zeros(unknowns.n)
     for name, dofs in unknowns.continua.items():
@@ -77,16 +77,16 @@ def require_stated_side(
 ) -> None:
     """Reject loads along interfaces within which a body slips at its own strength.
 
-    Such a load could act on either side of the layer that slips.
+    Such a load could act on either side of the slip layer.
 
     Args:
-        problem: As stated.
-        unknowns: Of the problem.
+        problem: The original problem.
+        unknowns: Unknowns of the problem.
         yielding: Its interfaces; those that stick are replaced where the adjacent body slips.
-        tied: Which segments of bonds move as one; velocities jump across the others.
+        tied: Which segments of bonds move together; velocities jump across the others.
 
     Raises:
-        InputError: There is one.
+        InputError: There is such a load.
     """
     stuck = [n for n, own in enumerate(problem.interfaces) if yielding[n] is not own]
     jumping = [
@@ -110,10 +110,10 @@ def require_stated_side(
 
 
 def _acts_along(load: Load, dofs: BodyDofs, facets: Ints) -> bool:
-    """Whether a load has components along facets."""
+    """Return whether a load has components along facets."""
     normal = outward_normals(dofs.body, facets, 0.5)
     every = np.broadcast_to(np.eye(len(normal))[:, :, None], (len(normal), *normal.shape))
-    along = every - normal[:, None] * normal  # a projection
+    along = every - normal[:, None] * normal  # projection
     part, whole = (
         np.abs(force_along(load, dofs, facets, own)).max(initial=0.0) for own in (along, every)
     )

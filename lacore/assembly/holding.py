@@ -1,4 +1,4 @@
-"""What supports and footings leave free of all unknowns."""
+"""Free unknowns under supports and footings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,14 +26,14 @@ from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.reporting.errors import InputError
 
 _STRAIGHT = 1 - 1e-9  # cosine between normals of edges on one line
-_CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
+_CORNER = 0.5  # cosine of an intended corner: edges turn by 60 degrees and more
 
-_ADMISSIBLE = 1e-9  # of a motion: what supports may leave of it by round-off
+_ADMISSIBLE = 1e-9  # by a motion: round-off of a component that supports remove
 
 
 @dataclass(frozen=True)
 class Held:
-    """What supports and footings leave free.
+    """Free unknowns under supports and footings.
 
     Attributes:
         basis: all unknowns from the free ones, shape (n, free).
@@ -45,10 +45,10 @@ class Held:
 
 
 def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], tied: Ties) -> Held:
-    """What supports, footings and bonds leave free, where bodies may slip past what holds them.
+    """Return the free unknowns under supports, footings and bonds, past which bodies may slip.
 
     Raises:
-        InputError: a footing that cannot move, a polygon held in place of an arc.
+        InputError: a footing cannot move, or a polygon in place of an arc is held.
     """
     rigid = _driven(rigid_basis(problem, unknowns.rigid, unknowns.n), problem, unknowns)
     if unknowns.continua and unknowns.dimension == 3:
@@ -61,15 +61,15 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
 
 
 def _driven(basis: Sparse, problem: Problem, unknowns: Unknowns) -> Sparse:
-    """A basis in which rigid blocks that are driven move by their motions, all by one unknown.
+    """Return a basis in which all driven rigid blocks move by one unknown.
 
     Args:
-        basis: what supports leave free of rigid bodies.
-        problem: whose blocks may be driven.
-        unknowns: of all bodies.
+        basis: basis of rigid bodies with their supports.
+        problem: problem whose blocks may be driven.
+        unknowns: unknowns of all bodies.
 
     Raises:
-        InputError: a support holds a block that is driven.
+        InputError: a support holds a driven block.
     """
     if not problem.driven:
         return basis
@@ -89,14 +89,14 @@ def _driven(basis: Sparse, problem: Problem, unknowns: Unknowns) -> Sparse:
             )
         column[rows] = wanted
         kept &= ~np.any(free, axis=0)
-    moving = column[:, None][:, [bool(column.any())]]  # no column where all are at rest
+    moving = column[:, None][:, [bool(column.any())]]  # There is no column if all are at rest.
     return csr_matrix(hstack([basis[:, kept], csr_matrix(moving)], format="csr"))
 
 
 def _in_plane(
     problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], tied: Ties
 ) -> tuple[Sparse, Bools]:
-    """Of continua of the plane and footings: a basis, and which nodes something acts on."""
+    """Return a basis of plane continua and footings, and which nodes something acts on."""
     bodies, node_dofs = unknowns.continua, unknowns.node_dofs
     asked = [
         *(
@@ -114,10 +114,10 @@ def _in_plane(
     slid = [slip.nodes(bodies[name]).ravel() for name, slip in slipping.items()]
     nodes = np.isin(np.arange(node_dofs.shape[1]), np.concatenate([conditions.nodes, *slid]))
     nodes = tied.all_of(nodes)
-    # On an axis u_r = 0 follows from continuity: no support, and no reaction.
+    # On an axis u_r = 0 follows from continuity, so there is no support and no reaction.
     axes = np.concatenate([np.zeros(0, dtype=np.int64), *(b.axis_nodes for b in bodies.values())])
     conditions = join([conditions, held(axes, np.tile([1.0, 0.0], (axes.size, 1)))])
-    # What follows is held, and then moves with what it follows, where all of its conditions are.
+    # Tied nodes are held, and then move with the first ones, to which all their conditions apply.
     conditions = replace(conditions, nodes=tied.first[conditions.nodes])
     conditions = join([conditions, *(held(tied.following, axis) for axis in tied.both_axes)])
     deforming = free_basis(conditions, node_dofs, [own.name for own in unknowns.footings])
@@ -125,7 +125,7 @@ def _in_plane(
 
 
 def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
-    """Nodes on facets, a each, and the outward normal there: (a n,), (a n, 2)."""
+    """Return the nodes on facets, several each, and the outward normal there: (a n,), (a n, 2)."""
     nodes = dofs.facet_nodes(facets)
     shares = np.linspace(0.0, 1.0, len(nodes))
     outward = [outward_normals(dofs.body, facets, s).T for s in shares]
@@ -133,7 +133,7 @@ def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
 
 
 def _support_of(support: Fix, dofs: BodyDofs, slip: Slip | None) -> NodeConditions:
-    """What a support asks of the nodes of a body, where that does not slip past it."""
+    """Return the conditions of a support at the nodes of a body where it does not slip."""
     facets = facets_of(support, dofs.body)
     if support.components in ("normal", "tangential"):
         _require_straight(support, dofs, facets)
@@ -143,7 +143,7 @@ def _support_of(support: Fix, dofs: BodyDofs, slip: Slip | None) -> NodeConditio
 
 
 def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
-    """Refuse polygons in place of arcs: two normals at each vertex would pin it."""
+    """Reject polygons in place of arcs: two normals at each vertex would fix it."""
     start, *_, end = dofs.facet_nodes(facets)
     outward = [outward_normals(dofs.body, facets, s).T for s in (0.0, 1.0)]
     nodes, normals = np.concatenate([start, end]), np.concatenate(outward)
@@ -161,7 +161,7 @@ def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
 
 
 def _footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int) -> NodeConditions:
-    """What the footing with a number asks of the nodes of a body, where that does not slip."""
+    """Return the conditions of a footing at the nodes of a body where it does not slip."""
     facets = facets_of(footing, dofs.body)
     if slip is not None:
         facets = np.setdiff1d(facets, slip.of(number))
@@ -172,13 +172,13 @@ def _footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int
 
 
 def slides_on_chords(footing: Footing, body: Body) -> bool:
-    """Whether a smooth footing slides on straight edges that replace an arc of a plane body.
+    """Return whether a smooth footing slides on straight edges that replace an arc of a plane body.
 
     Continuous velocities follow the arc there, and not the edges.
     """
     if body.dimension != 2 or body.geometry == "exact" or is_curved(body.mesh):
         return False
-    if cast(RigidFooting, footing).rough:  # plates that twist are of space
+    if cast(RigidFooting, footing).rough:  # Only three-dimensional bodies have twisting plates.
         return False
     facets = facets_of(footing, body)
     outward = np.tile(outward_normals(body, facets, 0.0), 2).T
@@ -187,14 +187,14 @@ def slides_on_chords(footing: Footing, body: Body) -> bool:
 
 
 def _rounded(nodes: Ints, outward: Floats) -> Floats:
-    """Outward normals, at nodes of a curved boundary their mean: with two a node could not slide.
+    """Return outward normals, averaged at nodes of a curved boundary, where two would fix a node.
 
-    Where facets meet at a corner that is meant, both stay.
+    At an intended corner of facets both normals are kept.
     """
     _, place = np.unique(nodes, return_inverse=True)
     total = np.zeros((place.max(initial=-1) + 1, 2))
     np.add.at(total, place, outward)
     mean = total[place] / np.linalg.norm(total[place], axis=1, keepdims=True)
-    # Of two normals: the cosine of half of the angle between them.
+    # For two normals, this is the cosine of half of the angle between them.
     turned = np.sum(mean * outward, axis=1)
     return np.where((2 * turned**2 - 1 > _CORNER)[:, None], mean, outward)

@@ -1,4 +1,4 @@
-"""Loads as forces on unknowns, of velocities and of multipliers alike."""
+"""Loads as forces on unknowns, both velocities and multipliers."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import singledispatch
@@ -13,11 +13,11 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
-_ROUND_OFF = 1e-12  # of the load that remains where supports take all of it
+_ROUND_OFF = 1e-12  # share of a load that may remain if supports take all of it
 
 
 class Loaded(Protocol):
-    """Unknowns of a body that take forces: see `lacore.model.bodies.any_body.Dofs`."""
+    """Unknowns of a body on which forces act: see `lacore.model.bodies.any_body.Dofs`."""
 
     @property
     def offset(self) -> int:
@@ -26,37 +26,37 @@ class Loaded(Protocol):
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of unknowns."""
         ...
 
     def force(self, load: Load) -> Floats:
-        """Forces of a load on the unknowns, shape (count,), N/m."""
+        """Return the forces of a load on the unknowns, shape (count,), N/m."""
         ...
 
 
 class UnderFooting(Loaded, Protocol):
-    """Those of a body that a footing can stand on."""
+    """Unknowns of a body on which a footing can stand."""
 
     def area(self, footing: Footing) -> float:
-        """Of what a footing touches, m^2; m per unit thickness."""
+        """Return the area under a footing, m^2; m per unit thickness."""
         ...
 
 
 def footings_of(problem: Problem) -> tuple[Footing, ...]:
-    """The footings of all loads, each once whatever its load."""
+    """Return the footings of all loads, each once."""
     loads = [*problem.reference_loads, *problem.dead_loads]
     return tuple(dict.fromkeys(footing.unloaded for footing in footings(loads)))
 
 
 def numbered_speeds(problem: Problem, first: int) -> dict[Footing, int]:
-    """The first unknown of each footing, from a number on, see `footings_of`."""
+    """Return the first unknown of each footing, from a number on, see `footings_of`."""
     own = footings_of(problem)
     starts = np.cumsum([first, *(footing.speeds for footing in own)])
     return dict(zip(own, starts[:-1].tolist(), strict=True))
 
 
 def count_speeds(footings: Iterable[Footing]) -> int:
-    """How many speeds footings have."""
+    """Return the number of speeds of footings."""
     return sum(footing.speeds for footing in footings)
 
 
@@ -67,14 +67,14 @@ def load_vector(
     speeds: Mapping[Footing, int],
     n: int,
 ) -> Floats:
-    """Forces of loads on n unknowns, N/m.
+    """Return the forces of loads on n unknowns, N/m.
 
     Args:
-        loads: of one kind.
-        bodies: all of them.
-        standing: those that footings stand on.
+        loads: loads of one kind.
+        bodies: all bodies.
+        standing: bodies with footings.
         speeds: the first unknown of each footing, see `numbered_speeds`: its load acts there.
-        n: unknowns.
+        n: number of unknowns.
     """
     total = np.zeros(n)
     for load in loads:
@@ -90,7 +90,7 @@ def _placed(
     standing: Mapping[str, UnderFooting],
     speeds: Mapping[Footing, int],
 ) -> tuple[int, Floats]:
-    """The first unknown that a load acts on, and its forces from there on, N/m."""
+    """Return the first unknown that a load acts on, and its forces from there on, N/m."""
     own = bodies[load.body]
     return own.offset, own.force(load)
 
@@ -107,7 +107,7 @@ def _on_footing(
 
 
 def require_load(loads: Sequence[Load]) -> None:
-    """Raise `InputError` where there is no reference load."""
+    """Raise `InputError` if there is no reference load."""
     if not loads:
         raise InputError(
             "Problem.reference_loads",
@@ -121,16 +121,16 @@ def require_load(loads: Sequence[Load]) -> None:
 
 
 class NoPowerError(InputError):
-    """Reference loads that supports take whole: no motion feels them."""
+    """Raised if supports take all reference loads, so that no motion has power."""
 
 
 def require_power(free: Floats, size: float) -> None:
-    """Raise `NoPowerError` where nothing is left of reference loads on the free unknowns.
+    """Raise `NoPowerError` if no reference load acts on the free unknowns.
 
     Args:
-        free: their forces on these.
-        size: sum of all nodal forces, of which round-off is a part: a load that can do power keeps
-            at least one whole nodal force.
+        free: forces on the free unknowns.
+        size: sum of all nodal forces, the scale of round-off: a load with power keeps at least one
+            whole nodal force.
     """
     if np.sum(np.abs(free)) <= _ROUND_OFF * size:
         raise NoPowerError(

@@ -1,4 +1,4 @@
-"""Scales in which the quantities of an answer are of order one (T20)."""
+"""Scales in which the results are of order one (T20)."""
 
 from collections.abc import Sequence
 from math import cbrt, fsum, sqrt
@@ -16,17 +16,17 @@ from lacore.reporting.text import Term, text
 
 
 def strengths_of(groups: Sequence[DissipationGroup], dead_load: Floats, area: float) -> list[float]:
-    """Stresses by which groups yield, in tension, Pa: cohesion, or what the dead load presses.
+    """Return the stresses at which groups yield, in tension, Pa: cohesion, or the dead load.
 
-    The apex of a cone is none: it is far away where friction is small (T48).
+    The apex of a cone is not used, because it is far away if friction is small (T48).
 
     Args:
-        groups: of a program.
-        dead_load: on its unknowns, N; per unit thickness N/m.
-        area: that it presses, m^2; m.
+        groups: groups of a program.
+        dead_load: dead load on its unknowns, N; per unit thickness N/m.
+        area: area on which it presses, m^2; m.
     """
     strengths = [_carried(group, dead_load, area) for group in groups]
-    if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
+    if not max(strengths, default=0.0) > 0:  # strength without tension and crushing
         pressure_dependent = [group.surfaces for group in groups if group.surfaces is not None]
         strengths += [float(surfaces.strength.max()) for surfaces in pressure_dependent]
     return strengths
@@ -40,17 +40,20 @@ def _carried(group: DissipationGroup, dead_load: Floats, area: float) -> float:
 
 
 def _between(strengths: Sequence[float]) -> float:
-    """Between those of the regions of a body: the load may be that of the weakest, or strongest."""
+    """Return the geometric mean of the extreme strengths of the regions of a body.
+
+    The load may be that of the weakest region, or of the strongest.
+    """
     some = [own for own in strengths if own > 0]
     least, most = min(some, default=0.0), max(some, default=0.0)
     return most if least == most else sqrt(least) * sqrt(most)
 
 
 def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats) -> Sparse:
-    """A basis of free velocities with crushing in such units that it costs what other motions cost.
+    """Return a basis of free velocities in which crushing costs as much as other motions.
 
-    Joints are far stronger than what presses them: a speed that is small beside all others is a
-    power that is not.
+    Joints are far stronger than the pressure on them, so a speed that is small compared with all
+    others has a power that is not.
     """
     unit = np.ones(basis.shape[0])
     for dofs in unknowns.blocks.values():
@@ -62,15 +65,13 @@ def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats
 
 
 def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: float) -> Scales:
-    """Scales of the answer: strengths of continua, else of hinges, else those of the dead load.
+    """Return the scales of the results: from strengths of continua, hinges, or the dead load.
 
-    Joints that crush are far stronger than what presses them; without dead load they are all there
-    is.
-
-    In space the thickness is the length: loads are N there.
+    Joints that crush are far stronger than the pressure on them, and only used without dead load.
+    In three dimensions the thickness is the length, as loads are in N.
 
     Raises:
-        InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
+        InputError: there is no scale of stress; the load factor would be 0 or arbitrary.
     """
     extent = fsum(own.extent for own in unknowns.dofs.values())
     solid = unknowns.dimension == 3
@@ -90,7 +91,7 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
     if not strengths:
         limit = program.contact.limit
         strengths = [
-            fsum(np.abs(program.dead_load)) / (length * across),  # whatever the order
+            fsum(np.abs(program.dead_load)) / (length * across),  # independent of the order
             float(limit[np.isfinite(limit)].max(initial=0.0)),
         ]
     if not max(strengths) > 0:

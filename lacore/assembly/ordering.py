@@ -1,8 +1,8 @@
-"""An order of the unknowns and contact points of rigid blocks that their geometry gives.
+"""Order of the unknowns and contact points of rigid blocks that depends on geometry alone.
 
-Coulomb load factors are not unique (T14b), and which one a loop finds may depend on the order of
-rows and columns, where solvers stop at other points of a face. Blocks that are listed in another
-order make the same program.
+Coulomb load factors are not unique (T14b), and the one that a loop finds may depend on the order of
+rows and columns, as solvers stop at different points of a face. With this order, the program does
+not depend on the order in which blocks are listed.
 """
 
 from collections.abc import Mapping
@@ -15,11 +15,11 @@ from lacore.model.contact.rows import ContactPoints
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import ContactRows
 
-_DIGITS = 9  # of places per size, and of normals: above round-off
+_DIGITS = 9  # digits of places by the size, and of normals: above round-off
 
 
 def column_order(basis: Sparse, assemblies: Mapping[str, RigidDofs[RigidBlocks]]) -> Ints:
-    """Columns of the free unknowns: those of blocks by the places of centroids, shape (n_free,)."""
+    """Return the columns of the free unknowns, those of blocks by centroid, shape (n_free,)."""
     by_column = basis.tocsc()
     row = by_column.indices[by_column.indptr[:-1]].astype(np.int64)
     order = np.arange(row.size)
@@ -36,7 +36,7 @@ def point_order(
     assemblies: Mapping[str, RigidDofs[RigidBlocks]],
     interfaces: int,
 ) -> Ints:
-    """Contact points: those of joints by their places, whichever block is the slave, shape (m,)."""
+    """Return the contact points, those of joints by place, for any choice of slaves, shape (m,)."""
     order, first = np.arange(contact.count), interfaces
     for dofs in assemblies.values():
         joints, size = dofs.body.joints, dofs.body.size

@@ -1,8 +1,8 @@
-"""Velocity jumps across bonded interfaces whose two sides do not move as one (T23, T43).
+"""Velocity jumps across bonded interfaces whose sides do not move together (T23, T43).
 
-Where edges do not match, where velocities jump in the bodies anyway, or where one side is rigid.
-Such a seam shears, and of soils opens, at the cost of a layer of the weaker side, at the Bernstein
-control values of the jump on each segment: so that bounds stay strict.
+This is where edges do not match, where velocities jump in the bodies, or where one side is rigid.
+Such a seam shears, and opens in soils, at the cost of a layer of the weaker side. The cost is
+evaluated at the Bernstein control values of the jump on each segment, so that bounds remain strict.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
-_ORDER = (0, 2, 1)  # of control values along an edge: start, middle, end
+_ORDER = (0, 2, 1)  # order of the control values along an edge: start, middle, end
 
 
 def seams(
@@ -36,19 +36,19 @@ def seams(
     tied: Ties,
     n: int,
 ) -> dict[str, Jumps]:
-    """Where velocities jump across the bonds of a problem, by the names of interfaces.
+    """Return the velocity jumps across the bonds of a problem, by the names of interfaces.
 
-    Of interfaces along which different regions are the weaker ones by those of their groups, too.
+    Interfaces with different weaker regions are split by the names of their groups.
 
     Args:
         problem: the problem.
-        continua: unknowns of those.
-        dofs: of all bodies.
-        tied: what moves as one.
-        n: unknowns.
+        continua: unknowns of the continua.
+        dofs: unknowns of all bodies.
+        tied: nodes that move together.
+        n: number of unknowns.
 
     Raises:
-        InputError: a layer of the weaker side has no strength that could be stated.
+        InputError: a layer of the weaker side has no strength of its own.
     """
     found: dict[str, Jumps] = {}
     for index, interface, segments in problem.bonds:
@@ -89,7 +89,7 @@ def _seam(
         for name, edges in meeting
         if name in continua
     ]
-    beside = (sides[0], sides[-1])  # twice the same next to a rigid one
+    beside = (sides[0], sides[-1])  # the same side twice next to a rigid one
     side = np.argmin([own.cost for own in beside], axis=0)
     ends, count, copies = (segments.start, segments.end), segments.slave.size, rates.copies
     found = {}
@@ -126,9 +126,9 @@ class _Rates(Compact):
     """Rates of the jump at its control values, segment by segment.
 
     Attributes:
-        opening, slipping: rows over the length of the segment, (copies e, n) each.
-        weights: times that length, shape (copies e,).
-        copies: control values of a segment.
+        opening, slipping: rows divided by the length of the segment, (copies e, n) each.
+        weights: weights times that length, shape (copies e,).
+        copies: number of control values of a segment.
     """
 
     opening: Sparse
@@ -166,14 +166,14 @@ class _Rates(Compact):
 
 @dataclass(frozen=True, repr=False)
 class _Side(Compact):
-    """A deformable side of e segments.
+    """Deformable side of e segments.
 
     Attributes:
-        name: of the body.
-        dofs: of it.
-        layers: of its regions, by number.
-        elements: at the segments, shape (e,).
-        cost: what a layer of them carries, shape (e,), Pa.
+        name: name of the body.
+        dofs: unknowns of the body.
+        layers: layers of its regions, by number.
+        elements: elements at the segments, shape (e,).
+        cost: strength of their layer, shape (e,), Pa.
         owner: numbers of their regions, shape (e,).
     """
 
@@ -186,15 +186,15 @@ class _Side(Compact):
 
     @property
     def beside(self) -> Beside:
-        """As one side of the segments."""
+        """The elements on this side of the segments."""
         return Beside(self.dofs.body.mesh, self.layers, self.elements, self.owner)
 
     @classmethod
     def of(cls, index: int, name: str, dofs: BodyDofs, facets: Ints, segments: Segments) -> "_Side":
-        """That of a body.
+        """Return the side of a body.
 
         Raises:
-            InputError: a layer of an adjacent region has no strength that could be stated.
+            InputError: a layer of an adjacent region has no strength of its own.
         """
         elements = dofs.body.mesh.f2t[0, facets].astype(np.int64)
         layers = {

@@ -1,11 +1,11 @@
-"""Slip along held boundaries, where what holds them meets other conditions at a corner (T23).
+"""Slip along held boundaries whose support meets other conditions at a corner (T23).
 
 A continuous velocity that sticks to a support, or to a rough footing, sticks to it at its last
-vertex too. Where contact of another direction begins there, or something that moves otherwise, no
-velocity is left, on any mesh, though the continuum has one: the body yields next to the support.
-Its tangential velocity jumps, at ``k |[u_t]|`` per area, which is no less than what any admissible
-stress does there, so that bounds stay strict; ``[u_n] = 0`` stays. Such a boundary slips along all
-of its length, on every mesh; all others stick, as in the limit of fine meshes they may.
+vertex too. If contact of another direction, or a support with another motion, begins there, no mesh
+has an admissible velocity, although the continuum has one: the body yields next to the support. Its
+tangential velocity jumps, at ``k |[u_t]|`` per area, which is at least the power of any admissible
+stress, so that bounds remain strict; ``[u_n] = 0`` is kept. Such a boundary slips along all of its
+length, on every mesh; all others stick, as in the limit of fine meshes they may.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +28,7 @@ from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.showing import Compact
 
 _NONE = np.zeros(0, dtype=np.int64)
-_PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`
+_PARALLEL = 1e-12  # squared sine between directions that count as equal, as in `elimination`
 
 
 def slips(
@@ -37,15 +37,16 @@ def slips(
     footings: Sequence[Footing],
     first: int,
 ) -> dict[str, Slip]:
-    """Where the bodies of a problem slip, by name; those that slip nowhere are left out.
+    """Return where the bodies of a problem slip, by name; those without slip are left out.
 
-    Of straight triangles in the plane: elsewhere no load factor is a bound, and meshes of paths
-    would leave what holds them. Not where friction dilates: what slips would have to open.
+    Only straight triangles in the plane slip: elsewhere no load factor is a bound, and meshes of
+    paths would leave their supports. Boundaries with dilatant friction do not, since slip would
+    have to open them.
 
     Args:
         problem: the problem.
         bodies: its continua.
-        footings: in the order of their unknowns.
+        footings: footings in the order of their unknowns.
         first: number of the first of these.
     """
     touched = [
@@ -64,7 +65,7 @@ def slips(
                 able.append(own)
     if not able:
         return {}
-    # Of what is bonded one part of a boundary slips as a whole.
+    # A connected part of the boundary of bonded bodies slips as a whole.
     ends = [vertices[own.name][own.dofs.body.mesh.facets[:, own.facets]] for own in able]
     owner = np.concatenate([own.owner for own in able])
     part = _parts(np.concatenate(ends, axis=1), owner)
@@ -81,7 +82,10 @@ def slips(
 def asked_of(
     problem: Problem, name: str, dofs: BodyDofs, footings: Sequence[Footing]
 ) -> tuple[NodeConditions, Ints]:
-    """Conditions on facets, numbered in place of nodes, and whose: of a footing, -1 of supports."""
+    """Return the conditions on facets, and their owners: a footing, or -1 for supports.
+
+    The conditions are numbered by facets instead of nodes.
+    """
     parts = []
     for support in supports_of(problem):
         if support.body == name:
@@ -98,7 +102,7 @@ def asked_of(
 
 
 def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
-    """Facets of continua, edges of blocks or nodes of frames that an interface touches, by body."""
+    """Return the facets, edges or nodes of each body that an interface touches."""
     edges = problem.touching[index].edges
     sides = zip(problem.interfaces[index].sides, edges, strict=False)
     return {name: np.unique(edges) for (name, _), edges in sides}
@@ -106,12 +110,12 @@ def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
 
 @dataclass(frozen=True, repr=False)
 class _Able(Compact):
-    """Facets of a body that may slip past what holds them.
+    """Facets of a body that may slip past their support.
 
     Attributes:
-        name, dofs: of the body.
+        name, dofs: name and unknowns of the body.
         facets, normal, owner, holds_normal, straight: see `Slip`, shape (e,) or (2, e).
-        must: which leave no velocity otherwise, shape (e,).
+        must: which of them have no admissible velocity otherwise, shape (e,).
     """
 
     name: str
@@ -124,7 +128,10 @@ class _Able(Compact):
     must: Bools
 
     def slip(self, kept: Bools, first: int, motion: Floats) -> Slip:
-        """Those of a mask; `first` is the unknown of the first footing, `motion` theirs, (f, 2)."""
+        """Return the slip of a mask.
+
+        `first` is the first footing's unknown, `motion` theirs, (f, 2).
+        """
         owner = self.owner[kept]
         return Slip(
             facets=self.facets[kept],
@@ -161,7 +168,7 @@ def _able(
 
 
 def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[str, Ints]:
-    """Numbers of the vertices of bodies, the same where they are bonded."""
+    """Return the numbers of the vertices of bodies, equal where they are bonded."""
     if not bodies:
         return {}
     counts = [dofs.body.mesh.p.shape[1] for dofs in bodies.values()]
@@ -176,7 +183,7 @@ def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[s
 
 
 def _pressure_dependent(dofs: BodyDofs) -> Bools:
-    """Elements whose strength depends on pressure, shape (elements,)."""
+    """Return the elements whose strength depends on pressure, shape (elements,)."""
     found = np.zeros(dofs.body.mesh.nelements, dtype=bool)
     for region in dofs.body.regions:
         found[region.elements] = bool(region.form.surfaces)
@@ -184,8 +191,8 @@ def _pressure_dependent(dofs: BodyDofs) -> Bools:
 
 
 def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints, Ints, Bools]:
-    """Facets whose tangential velocity one owner holds, who, and whether the normal one too."""
-    # One entry a facet and owner.
+    """Return the facets whose tangential velocity is held, by whom, and if the normal one is."""
+    # One entry per facet and owner.
     keys = np.stack([asked.nodes, asking])
     (facets, owner), entry = np.unique(keys, axis=1, return_inverse=True)
     entry = entry.ravel()
@@ -204,7 +211,7 @@ def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints
 
 
 def meetings(dofs: BodyDofs, facets: Ints, others: Ints) -> tuple[Bools, Bools]:
-    """Which ends of facets meet others in another direction, and which in their own, (2, e)."""
+    """Return which ends of facets meet others in another direction, and in their own, (2, e)."""
     mesh = dofs.body.mesh
     *_, normal = facet_geometry(dofs.body, facets)
     *_, facing = facet_geometry(dofs.body, others)
@@ -223,7 +230,7 @@ def meetings(dofs: BodyDofs, facets: Ints, others: Ints) -> tuple[Bools, Bools]:
 
 
 def _parts(ends: Ints, owner: Ints) -> Ints:
-    """Numbers of the connected parts that one owner holds, shape (e,), from ends (2, e)."""
+    """Return the numbers of the connected parts with one owner, shape (e,), from ends (2, e)."""
     count = owner.size
     joints = np.stack([ends.ravel(), np.tile(owner, 2)])
     _, joint = np.unique(joints, axis=1, return_inverse=True)

@@ -1,4 +1,4 @@
-"""Nodes inside members under loads along them, which have hinges at nodes only."""
+"""Nodes inside members under loads along them, as hinges are at nodes only."""
 
 from dataclasses import replace
 from typing import Any
@@ -13,13 +13,13 @@ from lacore.model.contact.interfaces import Interface
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Bools, Floats, Ints
 
-_BESIDE = 4.0  # tolerances: from where another member crosses
+_BESIDE = 4.0  # distance, in tolerances, from which another member crosses
 
 
 def spanned(problem: Problem) -> Problem:
-    """The problem with a node midway in loaded pieces that have none between joints and supports.
+    """Return the problem with a node midway in loaded pieces without one between joints.
 
-    Applied again it changes nothing.
+    Supports count as joints. A second call changes nothing.
     """
     places = {}
     for name, frame in of_kind(problem.bodies, Frame).items():
@@ -34,7 +34,7 @@ def spanned(problem: Problem) -> Problem:
 
 
 def with_nodes(given: Problem, problem: Problem, places: dict[str, Floats]) -> Problem:
-    """`given` with nodes at places (2, k) in its frames, and what holds them as in `problem`."""
+    """Return `given` with nodes at places (2, k) in its frames, and supports as in `problem`."""
     if not any(place.size for place in places.values()):
         return given
     bodies = dict(given.bodies)
@@ -49,7 +49,7 @@ def with_nodes(given: Problem, problem: Problem, places: dict[str, Floats]) -> P
 
 
 def _named(support: Fix, problem: Problem) -> Fix:
-    """A support by the names of the nodes that it holds: a predicate would hold new ones, too."""
+    """Return a support by node names, because a predicate would also hold new nodes."""
     frame = of_kind(problem.bodies, Frame).get(support.body)
     if frame is None or not callable(support.where):
         return support
@@ -70,7 +70,7 @@ def _named_interface(interface: Interface, problem: Problem) -> Interface:
 
 
 def _passing(problem: Problem, name: str, frame: Frame) -> Bools:
-    """Nodes inside one member that nothing else holds, (N,)."""
+    """Return the nodes inside one member that have no other connection, (N,)."""
     pieces, count = frame.pieces, len(frame.names)
     nodes = pieces.nodes.ravel()
     member = np.repeat(pieces.member, 2)
@@ -85,7 +85,7 @@ def _passing(problem: Problem, name: str, frame: Frame) -> Bools:
 
 
 def _held(problem: Problem, name: str, frame: Frame) -> list[Ints]:
-    """Nodes of supports and interfaces."""
+    """Return the nodes of supports and interfaces."""
     parts = [support.where for support in problem.supports if support.body == name]
     for interface in problem.interfaces:
         parts += [where for own, where in interface.sides if own == name]
@@ -93,7 +93,7 @@ def _held(problem: Problem, name: str, frame: Frame) -> list[Ints]:
 
 
 def places_on(frame: Frame, pieces: Ints, share: Floats) -> Floats:
-    """Places at shares of pieces, (2, k), in addition to those where another member crosses."""
+    """Return the places at shares of pieces, (2, k), except where another member crosses."""
     start = frame.position[:, frame.pieces.start[pieces]]
     along, length = frame.pieces.along[:, pieces], frame.pieces.length[pieces]
     assert frame.tolerance is not None

@@ -1,10 +1,10 @@
-"""Interfaces that stick, where other conditions meet them: they hold what the body can carry.
+"""Sticking interfaces that meet other conditions: their limit is the strength of the body.
 
-STICK forbids slip up to the last vertex of an interface. Where a footing begins there, or any
-condition where a side moves, no velocity may be left, on any mesh. No body carries more shear than
-its strength, so that the Tresca law with that limit is the same in the continuum: all of such an
-interface has it, on every mesh, and others stick as before. Shear that grows with pressure has no
-such limit: an interface between bodies that all have friction inside sticks everywhere.
+STICK forbids slip up to the last vertex of an interface. If a footing begins there, or any
+condition on a moving side, no mesh may have an admissible velocity. No body carries more shear than
+its strength, so the Tresca law with that limit is the same in the continuum. All of such an
+interface has it on every mesh, and others stick as before. Shear that grows with pressure has no
+such limit: an interface between bodies that all have internal friction sticks everywhere.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,9 +28,9 @@ from lacore.reporting.status import Status
 def yielding(
     problem: Problem, bodies: Mapping[str, BodyDofs], footings: Sequence[Footing]
 ) -> tuple[Interface, ...]:
-    """The interfaces of a problem, those that stick against what moves otherwise as Tresca's.
+    """Return the interfaces of a problem, with a Tresca limit for those that need it.
 
-    Of straight triangles in the plane, as in `lacore.assembly.slips`.
+    Only straight triangles in the plane are changed, as in `lacore.assembly.slips`.
     """
     touched = [
         {} if interface.bonded else contact_facets(problem, index)
@@ -50,12 +50,12 @@ def _yielding(
     footings: Sequence[Footing],
     touched: Sequence[Mapping[str, Ints]],
 ) -> Interface:
-    """Return the interface with a number as it counts; `touched`: facets of each, by body."""
+    """Return the interface with a number and its effective law; `touched`: facets by body."""
     deformable = [bodies[name] for name in touched[index] if name in bodies]
     most = min((body.strength for body in deformable), default=inf)
     if isinf(most) or not isinf(interface.law.terms().limit):
         return interface
-    # Along a face a body slips at its strength, as past what holds it (T90).
+    # Along a face a body slips at its strength, as past a support (T90).
     if any(body.body.dimension == 3 for body in deformable) or any(
         _meets_moving(index, name, problem, bodies[name], footings, touched)
         for name in touched[index]
@@ -73,7 +73,7 @@ def _meets_moving(
     footings: Sequence[Footing],
     touched: Sequence[Mapping[str, Ints]],
 ) -> bool:
-    """Whether an interface meets on a body what moves otherwise: a footing, a moving side."""
+    """Return whether an interface meets a footing or another moving side on a body."""
     moves = [interface.obstacle is None for interface in problem.interfaces]
     asked, owner = asked_of(problem, name, body, footings)
     beside = [np.unique(asked.nodes[moves[index] | (owner >= 0)])]
@@ -86,7 +86,7 @@ def _meets_moving(
 
 
 def opening(problem: Problem, status: Status) -> Finding | None:
-    """Return the interface that sticks and opens, where a structure separates; None without."""
+    """Return a finding on the interface that sticks and opens; None if there is none."""
     sticks = [interface.name for interface in problem.interfaces if interface.law == STICK]
     if not sticks or status not in (Status.FREE, Status.UNSAFE):
         return None

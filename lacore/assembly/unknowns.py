@@ -1,4 +1,4 @@
-"""The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order."""
+"""Unknowns of a problem: of continua, footings, rigid blocks and frames, in this order."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,12 +22,12 @@ from lacore.numerics.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What the numbers of a velocity stand for.
+    """Meaning of the numbers of a velocity.
 
     Attributes:
-        continua, blocks, frames: those of bodies, by name.
-        footings: the first unknown of each, the speed that its load drives.
-        n: how many there are.
+        continua, blocks, frames: unknowns of bodies, by name.
+        footings: first unknown of each, the speed that its load drives.
+        n: number of unknowns.
     """
 
     continua: Mapping[str, BodyDofs]
@@ -38,7 +38,7 @@ class Unknowns:
 
     @classmethod
     def of(cls, problem: Problem) -> "Unknowns":
-        """Number all, one after the other."""
+        """Number all unknowns, one after the other."""
         continua = numbered(of_kind(problem.bodies, Body), BodyDofs.at)
         first = sum(own.count for own in continua.values())
         footings = numbered_speeds(problem, first)
@@ -51,7 +51,7 @@ class Unknowns:
 
     @property
     def dimension(self) -> int:
-        """2 of the plane, 3 in space."""
+        """2 or 3."""
         return max(own.body.dimension for own in self.dofs.values())
 
     @property
@@ -62,7 +62,7 @@ class Unknowns:
 
     @cached_property
     def rigid(self) -> dict[str, RigidParts]:
-        """Bodies whose supports are a matter of their own, in the order of their unknowns."""
+        """Bodies with supports of a separate kind, in the order of their unknowns."""
         return {**self.blocks, **self.frames}
 
     @cached_property
@@ -72,13 +72,13 @@ class Unknowns:
 
     @cached_property
     def node_dofs(self) -> Ints:
-        """Unknowns (x, y), in space (x, y, z), of the nodes of all continua, shape (d, nodes)."""
+        """Unknowns (x, y), or (x, y, z), of the nodes of all continua, shape (d, nodes)."""
         found = [own.dofs for own in self.continua.values()]
         return np.concatenate(found or [np.zeros((2, 0), dtype=np.int64)], axis=1)
 
     @property
     def parts(self) -> Ints:
-        """What each belongs to, shape (n,): a continuum with its footings, a block, a frame."""
+        """Part of each unknown, shape (n,): a continuum with its footings, a block, a frame."""
         parts, count, first = np.zeros(self.n, dtype=np.int64), 0, {}
         for name, own in self.dofs.items():
             pieces, first[name] = own.pieces_of_unknowns, count
@@ -89,7 +89,10 @@ class Unknowns:
         return parts
 
     def load_size(self, load: Floats) -> float:
-        """Sum of the magnitudes of all nodal, footing, block and frame forces, N/m; in space N."""
+        """Return the sum of the sizes of all nodal, footing, block and frame forces.
+
+        The unit is N/m, in three dimensions N.
+        """
         node_dofs = self.node_dofs
         nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
         return float(nodal + fsum(np.abs(load[node_dofs.size :])))

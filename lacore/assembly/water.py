@@ -8,15 +8,16 @@ from lacore.model.bodies.continuum.water import in_pores
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats
 
-_FEELS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])  # of (xx, yy, zz, xy), in space (.., yz, zx)
+# components of (xx, yy, zz, xy), in three dimensions (.., yz, zx), with water pressure
+_FEELS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
 def pore_pressures(problem: Problem, load_factor: float) -> dict[str, Floats]:
-    """Pressure in the pores at the vertices of continua, by name, Pa, shape (vertices,).
+    """Return the pore pressure at the vertices of continua, by name, Pa, shape (vertices,).
 
     Args:
-        problem: stated.
-        load_factor: of its reference loads.
+        problem: the problem.
+        load_factor: factor of its reference loads.
     """
     bodies = of_kind(problem.bodies, Body)
     total = {name: np.zeros(body.mesh.nvertices) for name, body in bodies.items()}
@@ -24,16 +25,16 @@ def pore_pressures(problem: Problem, load_factor: float) -> dict[str, Floats]:
         for load in loads:
             if load.body in bodies:
                 own = in_pores(load, bodies[load.body], type(load).__name__)
-                if own.any():  # a load factor that nobody knows leaves the others as they are
+                if own.any():  # An unknown load factor does not affect the other loads.
                     total[load.body] += factor * own
     return total
 
 
 def total_stress(effective: Floats, water: Floats) -> Floats:
-    """Stresses (..., 4 or 6) that the skeleton and the water of shape (...) carry together, Pa."""
+    """Return the total stresses (..., 4 or 6) of the skeleton and the water (...), Pa."""
     return np.asarray(effective - water[..., None] * _FEELS[: effective.shape[-1]])
 
 
 def effective_stress(total: Floats, water: Floats) -> Floats:
-    """What the skeleton carries of stresses (..., 4 or 6), Pa: the inverse of `total_stress`."""
+    """Return the effective part of stresses (..., 4 or 6), Pa: the inverse of `total_stress`."""
     return np.asarray(total + water[..., None] * _FEELS[: total.shape[-1]])

@@ -1,6 +1,6 @@
-"""The two problems with bounds that enclose every Coulomb load factor of a problem (T14).
+"""Two problems whose bounds enclose every Coulomb load factor of a problem (T14).
 
-And the refusal of what has no bounds: soils whose flow is not associated (T54).
+Soils with non-associated flow have no bounds and are rejected (T54).
 """
 
 from collections.abc import Callable, Mapping
@@ -23,7 +23,7 @@ from lacore.reporting.text import Term, text
 
 
 def has_coulomb(problem: Problem) -> bool:
-    """Whether there is Coulomb friction that is not associated, in interfaces or joints."""
+    """Return whether there is non-associated Coulomb friction in interfaces or joints."""
     joints = (body.joints for body in of_kind(problem.bodies, BlockAssembly).values())
     return any(pair.law.terms().coefficient > 0 for pair in problem.interfaces) or any(
         bool((own.coefficient > 0).any()) for own in joints
@@ -31,7 +31,7 @@ def has_coulomb(problem: Problem) -> bool:
 
 
 def frictionless(problem: Problem) -> Problem:
-    """Without Coulomb friction: its load factor is no larger than any Coulomb one."""
+    """Return the problem without Coulomb friction, whose load factor is at most any Coulomb one."""
 
     def without(law: Friction) -> Friction:
         return law.frictionless() if law.terms().coefficient > 0 else law
@@ -40,12 +40,15 @@ def frictionless(problem: Problem) -> Problem:
 
 
 def associated(problem: Problem) -> Problem:
-    """With Coulomb friction made associated: its load factor is no smaller than any Coulomb one."""
+    """Return the problem with associated friction.
+
+    Its load factor is at least any Coulomb one.
+    """
     return _with_laws(problem, lambda law: law.dilating())
 
 
 def with_associated_flow(problem: Problem) -> Problem:
-    """With flow of soils normal to their surfaces: stresses that are admissible are the same."""
+    """Return the problem with associated flow of soils; the admissible stresses are the same."""
 
     def normal(criterion: Criterion) -> Criterion:
         if getattr(criterion, "dilation_angle", None) is None:
@@ -126,7 +129,7 @@ def require_chords(problem: Problem) -> None:
 
 
 def named_criterion(body: str, region: Region) -> str:
-    """``Problem.bodies['soil'].criterion['clay']``: of a region in messages."""
+    """Return a criterion for messages, as ``Problem.bodies['soil'].criterion['clay']``."""
     part = f"[{region.name!r}]" if region.name else ""
     return f"Problem.bodies[{body!r}].criterion{part}"
 

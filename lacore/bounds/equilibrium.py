@@ -1,14 +1,15 @@
-"""Equilibrium elements (T25): linear stresses a triangle, discontinuous, and their multipliers.
+"""Equilibrium elements (T25) with discontinuous linear stresses, and their multipliers.
 
-And a tetrahedron (T91). The unknowns of the kinematic dual (T26b) are "nodes" of two components
-each, in space of three: one for every vertex of every facet, W there, and one v for every element.
-With L, n and A lengths, outward normals and areas,
+Elements are triangles or tetrahedra (T91). The unknowns of the kinematic dual (T26b) are "nodes" of
+two components each, or of three in three dimensions: W at every vertex of every facet, and v of
+every element. With L, n and A lengths, outward normals and areas,
 
     eps at vertex i = 3/(2 A) sum over the two facets f at i of L_f sym((W_f,i - v) x n_f)
 
-is what does the power ``A/3 sum_i sigma_i : eps_i`` on the vertex stresses of an element: W is the
+has the power ``A/3 sum_i sigma_i : eps_i`` on the vertex stresses of an element: W is the
 multiplier of traction continuity at an end of a facet, times L/2, v that of ``div sigma + b = 0``,
-times A. In space areas A and volumes V take their place, with ``4/(3 V)`` and three facets.
+times A. In three dimensions areas A and volumes V take their place, with ``4/(3 V)`` and three
+facets.
 """
 
 from dataclasses import dataclass
@@ -41,12 +42,12 @@ _FACETS = {
 }
 """Local facets at each local vertex."""
 _SHEARS = {2: ((1, 0),), 3: ((1, 0), (2, 1), (0, 2))}
-"""Of the components (xy), in space (xy, yz, zx): what is taken of ``n`` for u along the other."""
+"""For shear (xy), or (xy, yz, zx): the component of ``n`` for u along the other axis."""
 
 
 @dataclass(frozen=True, repr=False)
 class EquilibriumDofs(Compact):
-    """Where a body's multipliers stand among all: as nodes, then components.
+    """Places of the multipliers of a body among all: by nodes, then by components.
 
     Attributes:
         body: the body.
@@ -58,7 +59,7 @@ class EquilibriumDofs(Compact):
 
     @classmethod
     def at(cls, body: Body, offset: int) -> "EquilibriumDofs":
-        """The multipliers of a body from a number on; before it stand nodes of as many each."""
+        """Return the multipliers of a body that begin at a given number."""
         return cls(body, offset // body.dimension)
 
     @property
@@ -78,11 +79,11 @@ class EquilibriumDofs(Compact):
 
     @property
     def strength(self) -> float:
-        """Largest shear stress that it can carry, Pa: of what has friction, any."""
+        """Largest shear stress that the body can carry, Pa; any value with friction."""
         return self.body.largest_shear
 
     def facet_nodes(self, facets: Ints) -> Ints:
-        """Nodes of W at the vertices of facets, in the order of ``mesh.facets``, shape (d, k)."""
+        """Return the nodes of W at the vertices of facets as in ``mesh.facets``, shape (d, k)."""
         ends = self.first_node + self.body.mesh.nfacets * np.arange(self.body.dimension)
         return np.asarray(ends[:, None] + facets)
 
@@ -94,24 +95,28 @@ class EquilibriumDofs(Compact):
         return np.asarray(before + np.arange(mesh.nelements))
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """Yield at the vertices, weights A/3 (V/4), over n unknowns: duals are the vertex stresses.
+        """Return the groups of yield at the vertices over n unknowns, by region.
 
-        By region. Where strengths vary the vertices have their own: linear stresses stay within
-        what is linear, or nowhere more than the strength between.
-        Where friction angles do, each element has a cone within all of its own (T87).
+        The weights are A/3 (V/4), and the duals are the vertex stresses. Where strengths vary, each
+        vertex has its own: linear stresses stay within a linear strength, or nowhere exceed the
+        strength between. Where friction angles vary, each element has a cone within all of its own
+        (T87).
         """
         body, mesh, d = self.body, self.body.mesh, self.body.dimension
         area, sides = element_geometry(body)
-        facets = mesh.t2f[_FACETS[d]]  # (vertices, d, elements)
+        facets = mesh.t2f[_FACETS[d]]  # shape (vertices, d, elements)
         end = np.argmax(mesh.facets[:, facets] == mesh.t[None, :, None, :], axis=0)
         own = np.broadcast_to(self.element_nodes, (d + 1, 1, mesh.nelements))
         ends = self.first_node + end * mesh.nfacets + facets
-        nodes = np.concatenate([ends, own], axis=1).transpose(2, 0, 1)  # (elements, vertices, ..)
-        pull = sides[:, _FACETS[d]]  # (d, vertices, d, elements): L n of the facets at a vertex
+        # shape (elements, vertices, ..)
+        nodes = np.concatenate([ends, own], axis=1).transpose(2, 0, 1)
+        # shape (d, vertices, d, elements): L n of the facets at a vertex
+        pull = sides[:, _FACETS[d]]
         pull = np.concatenate([pull, -pull.sum(axis=2, keepdims=True)], axis=2)
-        pull = np.transpose((d + 1) / d * pull / area, (0, 3, 1, 2))  # (d, elements, vertices, ..)
+        # shape (d, elements, vertices, ..)
+        pull = np.transpose((d + 1) / d * pull / area, (0, 3, 1, 2))
         strain = np.zeros((*pull.shape[1:3], d + len(_SHEARS[d]), pull.shape[3], d))
-        # (elements, vertices, (xx, yy, gamma), nodes, components)
+        # shape (elements, vertices, (xx, yy, gamma), nodes, components)
         for axis in range(d):
             strain[:, :, axis, :, axis] = pull[axis]
         for row, (one, other) in enumerate(_SHEARS[d], start=d):
@@ -148,25 +153,25 @@ class EquilibriumDofs(Compact):
 
     @property
     def areas(self) -> Floats:
-        """Areas of the elements, m^2, in space volumes, m^3, shape (elements,)."""
+        """Areas of the elements, m^2, or volumes, m^3, shape (elements,)."""
         return element_geometry(self.body)[0]
 
     def rises(self, values: Floats) -> Floats:
-        """Area times gradient of what is linear between vertices, shape (2, elements)."""
+        """Return the area times the gradient of linear functions, shape (2, elements)."""
         _, sides = element_geometry(self.body)
         across = values[self.body.mesh.t[_OPPOSITE[2]]]
         return np.asarray(-np.sum(across * sides, axis=1) / 2)
 
     def force(self, load: Load) -> Floats:
-        """Forces of a load on the multipliers, shape (count,), N/m."""
+        """Return the forces of a load on the multipliers, shape (count,), N/m."""
         return _multiplied(load, self)
 
     def area(self, footing: Footing) -> float:
-        """Length of what a footing touches, m: m^2 per unit thickness; in space area, m^2."""
+        """Return the length of the facets of a footing, m, or their area, m^2."""
         return float(self.lengths(facets_of(footing, self.body)).sum())
 
     def lengths(self, facets: Ints) -> Floats:
-        """Lengths of boundary facets, m, in space areas, m^2, shape (k,)."""
+        """Return the lengths of boundary facets, m, or their areas, m^2, shape (k,)."""
         if self.body.dimension == 3:
             return face_geometry(self.body.mesh, facets)[0]
         start, end, _ = facet_geometry(self.body, facets)
@@ -174,9 +179,9 @@ class EquilibriumDofs(Compact):
 
 
 def element_geometry(body: Body) -> tuple[Floats, Floats]:
-    """Areas, shape (elements,), and length times outward normal of facets, (2, 3, elements).
+    """Return areas, shape (elements,), and length times outward normal of facets, (2, 3, elements).
 
-    In space volumes, and area times outward normal, (3, 4, elements).
+    In three dimensions they are volumes, and area times outward normal, (3, 4, elements).
     """
     mesh = body.mesh
     if body.dimension == 3:
@@ -200,7 +205,7 @@ def _in_space(mesh: Mesh) -> tuple[Floats, Floats]:
 
 @singledispatch
 def _multiplied(load: Load, dofs: "EquilibriumDofs") -> Floats:
-    """Forces of a load, shape (count,), N/m; point forces are refused before."""
+    """Return the forces of a load, shape (count,), N/m; point forces are rejected before."""
     raise TypeError(f"no forces on multipliers: {type(load).__name__}")
 
 
@@ -225,13 +230,13 @@ def _standing(load: StandingWater, dofs: "EquilibriumDofs") -> Floats:
 
 @_multiplied.register(PorePressure)
 def _of_pores(load: PorePressure, dofs: "EquilibriumDofs") -> Floats:
-    # The power of -u I on the vertex strains: of the multipliers of facets inside nothing is left.
+    # This is the power of -u I on the vertex strains; multipliers of interior facets cancel.
     u, outline = in_pores(load, dofs.body, "PorePressure"), dofs.body.mesh.boundary_facets()
     return _at(dofs, dofs.element_nodes, -dofs.rises(u)) + _pushed(dofs, outline, u)
 
 
 def _pushed(dofs: "EquilibriumDofs", facets: Ints, pressure: Floats) -> Floats:
-    """Pressures at vertices, linear along facets, with the outward normal."""
+    """Return the forces of pressures at vertices, linear along facets, along the outward normal."""
     start, end, outward = facet_geometry(dofs.body, facets)
     ends = dofs.body.mesh.facets[:, facets]
     half = np.linalg.norm(end - start, axis=0) / 2
@@ -240,7 +245,7 @@ def _pushed(dofs: "EquilibriumDofs", facets: Ints, pressure: Floats) -> Floats:
 
 
 def _at(dofs: "EquilibriumDofs", nodes: Ints, force: Floats) -> Floats:
-    """Forces (d, k) at nodes (k,), which may be there twice."""
+    """Return the forces (d, k) added at nodes (k,), which may repeat."""
     total = np.zeros((dofs.n_nodes, dofs.body.dimension))
     np.add.at(total, nodes - dofs.first_node, force.T)
     return total.ravel()

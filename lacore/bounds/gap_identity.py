@@ -1,4 +1,4 @@
-"""Gap identity (T26): where the difference between upper and lower bound comes from."""
+"""Gap identity (T26): the sources of the difference between upper and lower bound."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _ORDER = "give what lacore.upper_bound returns, and then what lacore.lower_bound
 
 @dataclass(frozen=True, repr=False)
 class GapIdentity(Shown):
-    """``upper - lower`` as a sum of shares that are all >= 0.
+    """``upper - lower`` as a sum of non-negative shares.
 
     Attributes:
         upper, lower: load factors.
@@ -60,13 +60,13 @@ class GapIdentity(Shown):
 
     @property
     def least(self) -> float:
-        """The least share: below 0 by the round-off of both solves only."""
+        """Smallest share, which is negative only by the round-off of both solves."""
         return min(
             [*self.interfaces.values(), *(float(gaps.min()) for gaps in self.elements.values())]
         )
 
     def facts(self) -> Facts:
-        """The gap, and its shares."""
+        """Return the gap and its shares, for printing."""
         gap, count = self.upper - self.lower, sum(gaps.size for gaps in self.elements.values())
         pairs = counted(len(self.interfaces), "interface")
         told = {
@@ -78,11 +78,11 @@ class GapIdentity(Shown):
         return Facts(title, told)
 
     def picture(self) -> Picture | None:
-        """As `plot` draws it."""
+        """Return the figure of `plot`."""
         return Picture(self.plot()) if self.bodies else None
 
     def plot(self) -> Figure:
-        """Shares of the elements: see `lacore.pictures.mesh.plot_gap`."""
+        """Plot the shares of the elements: see `lacore.pictures.mesh.plot_gap`."""
         return views.picture(self)
 
     def __str__(self) -> str:
@@ -97,15 +97,15 @@ class GapIdentity(Shown):
 
 @typed(**dict.fromkeys(("upper", "lower"), _ORDER))
 def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdentity:
-    """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
+    """Compute the element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
 
-    Velocities and dissipation of the upper bound, that of velocity jumps half to either side, past
-    supports and footings all to the body; stresses of the lower one. Interfaces, and joints of
-    rigid blocks, have ``w limit ||u_t|| + int t.u``.
+    Velocities and dissipation are those of the upper bound, stresses those of the lower one. The
+    dissipation of velocity jumps counts half to either side, along supports and footings all to the
+    body. Interfaces, and joints of rigid blocks, have ``w limit ||u_t|| + int t.u``.
 
     Raises:
-        InputError: what is no bound, or not there; other meshes, a velocity space that gives no
-            bounds, Coulomb friction, a state within a step of a path that hardens.
+        InputError: a bound is not proven or missing; other meshes, a velocity space without bounds,
+            Coulomb friction, or a state within a step of a path with hardening.
 
     Example:
         >>> problem = la.examples.footing()
@@ -175,17 +175,17 @@ def _restricted(
 def restriction(
     dofs: BodyDofs, multipliers: EquilibriumDofs, velocity: Floats, slip: Slip | None
 ) -> tuple[Ints, Floats]:
-    """Nodes of the multipliers that do the power of a velocity on linear stresses, and values.
+    """Return the nodes of multipliers with the power of a velocity on linear stresses, and values.
 
-    ``2/L int N_i u ds`` at the ends of facets and means over elements. Of velocities that jump the
-    mean of both sides, which gives each element half the power of the jump; where the body slips,
-    that of what holds it.
+    The values are ``2/L int N_i u ds`` at the ends of facets and means over elements. Discontinuous
+    velocities have the mean of both sides, which gives each element half the power of the jump;
+    where the body slips, the velocity of its support.
 
     Returns:
         Nodes, shape (k,), and velocities, shape (2, k).
     """
     mesh = dofs.body.mesh
-    u = velocity[dofs.dofs][:, dofs.element_nodes]  # (2, nodes of an element, elements)
+    u = velocity[dofs.dofs][:, dofs.element_nodes]  # shape (2, nodes of an element, elements)
     corner, middle = u[:, :3], u[:, 3:]
     quadratic = dofs.degree > 1
     total = np.zeros((2, 2, mesh.nfacets))  # components, ends

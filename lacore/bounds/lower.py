@@ -48,11 +48,12 @@ from lacore.solvers.isolation import make_ready
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Residual of a solve that is not asked for again in other units, and the same per its tolerance:
-# stresses are projected all the same, and what velocities leave costs nothing.
+# Residual, absolute and by the tolerance, of a solve that is not repeated in other units: stresses
+# are projected in any case, and errors of the velocities do not matter.
 _GOOD, _LEFT = 1e-6, 1e2
-_MORE, _ROUNDS = 1.001, 4  # of the load factor, up to which quadratic stresses take of strengths
-_TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead load
+# factor of the load factor up to which quadratic stresses reduce strengths, and iterations
+_MORE, _ROUNDS = 1.001, 4
+_TOLERANCE = 1e-6  # tolerance of the velocity that proves a collapse under dead load
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,22 +65,22 @@ class LowerBound(Reported):
         load_factor: alpha of that state, no larger than that of the continuum; NaN unless SOLVED,
             or +inf where LOCKED.
         rigor: what the load factor proves.
-        backend: its name.
+        backend: name of the backend.
         certificate: recomputed residuals. Equilibrium (at most 1e-12, or the
             precision of coordinates far from the origin), yield and cone (0) prove the
-            bound; gap, flow and those of the multipliers say how close it is to the best one of
-            these elements. None where there is no state.
-        history: one row an inner solve: margin taken off all strengths, load factors as solved and
-            as proven, residuals before and after the projection, statuses, times.
-        build_time: of assembly, s, wall clock.
-        solve_time: of everything after it but compilation, s, wall clock.
-        compile_time: as of `LimitState`.
-        options: of the backend, as they were given.
-        findings: What else there is to report; `message` is their text.
+            bound; gap, flow and those of the multipliers show how close it is to the best one of
+            these elements. None if there is no state.
+        history: one row per inner solve: margin of all strengths, solved and proven load factors,
+            residuals before and after the projection, statuses, times.
+        build_time: wall-clock time of assembly, s.
+        solve_time: wall-clock time of everything after it except compilation, s.
+        compile_time: see `LimitState`.
+        options: given options of the backend.
+        findings: further findings; `message` is their text.
         model: the assembled problem.
         point: multipliers of the free unknowns (m/s at ``F0.U = 1``), stresses and reactions (Pa);
-            None where there is no state.
-        ray: what proves LOCKED or UNSAFE, SI units, with its residuals, recomputed; None else.
+            None if there is no state.
+        ray: proof of LOCKED or UNSAFE in SI units, with its recomputed residuals; else None.
     """
 
     status: Status
@@ -99,9 +100,9 @@ class LowerBound(Reported):
 
     @property
     def lost(self) -> float:
-        """How far below the solver's load factor it is, as the stresses are made admissible.
+        """Loss of the load factor when the solver's stresses are made admissible.
 
-        NaN where either is missing.
+        It is NaN if either load factor is missing.
         """
         if not {"solved", "load_factor"} <= set(self.history):
             return np.nan
@@ -112,7 +113,7 @@ class LowerBound(Reported):
         return self.required(self.point)
 
     def facts(self) -> Facts:
-        """What is proven, and how well."""
+        """Return the proven load factor and its residuals, for printing."""
         told = {"status": self.report.summary_for(PYTHON)}
         if self.certificate is not None:
             told["residual"] = (
@@ -132,32 +133,32 @@ class LowerBound(Reported):
         return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {self.rigor.value}", told)
 
     def picture(self) -> Picture:
-        """The stresses of continua, or the problem where there are none."""
+        """Return the stresses of continua, or the problem if there are none."""
         if self.point is None or not self.model.continua:
             return Picture(self.model.problem.plot(), "the problem")
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """What is used of the strength: see `lacore.pictures.mesh.plot_strength`."""
+        """Plot the utilisation of the strength: see `lacore.pictures.mesh.plot_strength`."""
         return views.picture(self)
 
     def plot_section(self, point: Sequence[float], normal: Sequence[float]) -> Figure:
-        """The same cut: see `lacore.pictures.space.section.plot_strength_section`."""
+        """Plot it on a section: see `lacore.pictures.space.section.plot_strength_section`."""
         return views.section(self, point, normal)
 
     @property
     def stress(self) -> dict[str, Floats]:
         """Total stress (xx, yy, zz, xy) at the vertices of ``mesh.t``, shape (elements, 3, 4), Pa.
 
-        By body, linear in an element, tension positive. Of body forces that vary in elements
-        quadratic stresses, zero at the vertices, come on top: `StaticModel.bulging` (T86).
+        It is given by body, linear in an element, tension positive. Body forces that vary in
+        elements add quadratic stresses that are zero at the vertices: `StaticModel.bulging` (T86).
         """
         water = self.pore_pressure
         return {name: total_stress(own, water[name]) for name, own in self.effective_stress.items()}
 
     @property
     def effective_stress(self) -> dict[str, Floats]:
-        """What the skeleton carries of `stress`, and criteria judge (T64): without water all."""
+        """Effective part of `stress`, to which criteria apply (T64); without water all of it."""
         point, bodies = self._point(), self.model.continua
         stresses = by_body(bodies, point.stress)
         means = by_body(bodies, point.mean_stress)
@@ -168,7 +169,7 @@ class LowerBound(Reported):
 
     @property
     def pore_pressure(self) -> dict[str, Floats]:
-        """Pressure of the water in the pores there, by body, shape (elements, 3), Pa."""
+        """Pressure of the pore water at these vertices, by body, shape (elements, 3), Pa."""
         water = pore_pressures(self.model.problem, self._point().load_factor)
         return {name: water[name][own.body.mesh.t.T] for name, own in self.model.continua.items()}
 
@@ -176,8 +177,8 @@ class LowerBound(Reported):
     def reactions(self) -> pd.DataFrame:
         """Tractions on the slave at the ends of contact facets, linear between: see `LimitState`.
 
-        ``length`` is the half of the facet that the end stands for; in space ``area`` the third of
-        the face that a corner does.
+        ``length`` is the half of the facet of this end; in three dimensions ``area`` is the third
+        of the face of this corner.
         """
         return traction_table(self.model.program.contact, self.model.points, self._point())
 
@@ -190,22 +191,22 @@ def lower_bound(
     options: Mapping[str, Any] | None = None,
     throw: bool = False,
 ) -> LowerBound:
-    """Strict lower bound of the load factor of a problem, with the stresses that prove it.
+    """Compute a strict lower bound of the load factor, with the stresses that prove it.
 
     The solver's stresses are projected onto equilibrium (T26c) and made admissible: without dead
-    loads by scaling them with the load factor; with dead loads, or friction that dilates, which
-    scaling does not touch, by solving with all strengths less a small margin.
+    loads by scaling them with the load factor; with dead loads or dilatant friction, which cannot
+    be scaled, by solving with slightly reduced strengths.
 
     Args:
         problem: the problem, or its model where several backends share it. The velocity spaces of
-            its bodies play no part.
+            its bodies have no effect.
         backend: name of an exact backend.
-        options: of the backend.
+        options: options of the backend.
         throw: raise `SolveError` unless the status is SOLVED.
 
     Raises:
-        InputError: what equilibrium elements cannot state, see `static_model`; unknown names.
-        CapabilityError: the backend is missing, regularised, or cannot take the problem.
+        InputError: features without equilibrium elements, see `static_model`; unknown names.
+        CapabilityError: the backend is missing, regularised, or does not support the problem.
         SolveError: see `throw`.
 
     Example:
@@ -232,16 +233,16 @@ def lower_bound(
 
 @dataclass(frozen=True)
 class _Solved:
-    """What solves with smaller and smaller strengths come to, dimensionless.
+    """Result of solves with decreasing strengths, dimensionless.
 
     Attributes:
-        model: with what quadratic stresses leave of strengths.
-        program: of it.
-        attempts: one a margin.
-        status: what is proven.
-        refuted: why the claim of the solver is not proven; None where it is, or there is none.
-        ray: what proves LOCKED or UNSAFE.
-        times: of assembly, of everything after it but compilation, of compilation, s.
+        model: model with strengths reduced by quadratic stresses.
+        program: its program.
+        attempts: one per margin.
+        status: the proven status.
+        refuted: why the solver's claim is not proven; None if it is, or if there is none.
+        ray: proof of LOCKED or UNSAFE.
+        times: times of assembly, of everything after it except compilation, and of compilation, s.
     """
 
     model: StaticModel
@@ -254,7 +255,7 @@ class _Solved:
 
     @property
     def load_factor(self) -> float:
-        """In SI units; NaN where none is proven, +inf where the load is locked."""
+        """Load factor in SI units; NaN if none is proven, +inf if the load is locked."""
         state = self.attempts[-1].state
         if self.status is Status.SOLVED and state is not None:
             return float(state.load_factor * self.program.scales.load_factor)
@@ -268,7 +269,7 @@ def _solved(
     options: Mapping[str, Any],
     begin: float,
 ) -> _Solved:
-    """Solve with what quadratic stresses leave of strengths up to a load factor."""
+    """Solve with strengths reduced by quadratic stresses up to a load factor."""
     engine = find_backend(backend)
     engine_options = read_options(engine, options)
     if model.bulging.any:
@@ -295,11 +296,11 @@ def _solved(
 def _attempts(
     program: KinematicProgram, prepare: Prepare, tolerance: float, exact: float
 ) -> tuple[Attempt, ...]:
-    """Take more and more off all strengths, until the stresses are admissible or there are none."""
+    """Reduce all strengths step by step, until the stresses are admissible or there are none."""
     attempts, tried = list[Attempt](), margins(program, tolerance)
     for margin in tried:
         if attempts and margin < min(attempts[-1].lacks, tried[-1]):
-            continue  # it would lack as much again
+            continue  # It would lack as much again.
         less = weaker(program, margin)
         with closing(prepare(less)) as solver:
             answer = solver.solve(associated_contact(less.contact))
@@ -311,12 +312,12 @@ def _attempts(
 
 
 def _bound(solved: _Solved, backend: str, options: Mapping[str, Any], settled: bool) -> LowerBound:
-    """The end of it as a bound of the problem, in SI units.
+    """Return the result as a bound of the problem, in SI units.
 
     Args:
         solved: the last solve.
-        backend, options: of it.
-        settled: whether the strengths that it had are enough for its load factor.
+        backend, options: backend of the solve.
+        settled: whether the strengths suffice for the load factor that was found.
     """
     model, last, scales = solved.model, solved.attempts[-1], solved.program.scales
     status = solved.status if settled else Status.NOT_CERTIFIED
@@ -351,7 +352,7 @@ def _bound(solved: _Solved, backend: str, options: Mapping[str, Any], settled: b
 
 
 def _findings(model: StaticModel, status: Status, rigor: Rigor, last: Attempt) -> Iterator[Finding]:
-    """Yield what the last attempt proves, or what it lacks."""
+    """Yield findings on what the last attempt proves, or lacks."""
     reason, after = Severity.REASON, last.after
     if status is Status.UNSAFE:
         yield Finding(Kind.NO_STRESSES, severity=reason)
@@ -369,10 +370,10 @@ def _findings(model: StaticModel, status: Status, rigor: Rigor, last: Attempt) -
 
 
 def _fixes(model: StaticModel) -> Iterator[Finding]:
-    """Yield what to do about stresses that are not admissible in the end."""
+    """Yield advice on stresses that are still not admissible."""
     dead, bodies = model.full.dead_load, {name: own.body for name, own in model.continua.items()}
     weak = {name: own for name, body in bodies.items() if (own := hardly_any(body, dead))}
-    for name, own in weak.items():  # neither a tolerance nor a mesh leaves them more
+    for name, own in weak.items():  # Neither a tolerance nor a mesh gives them more strength.
         lent = next_to_none(bodies[name], dead)
         values = {"strength": Quantity(own, "Pa", ".1e"), "lent": Quantity(lent, "Pa", ".1e")}
         yield Finding(Kind.STRENGTH_TOO_SMALL, (name,), values, Severity.REASON)

@@ -1,9 +1,9 @@
-"""Velocities that a material whose strength depends on pressure can flow with, exactly (T45).
+"""Velocities that are exactly admissible for pressure-dependent strength (T45).
 
-What a solver leaves of ``theta >= sin(phi) ||d||`` is up to 1e-5 of the largest rate, worst in
-small elements. The conditions are convex: between the velocity and one that is strictly inside
+A solver violates ``theta >= sin(phi) ||d||`` by up to 1e-5 of the largest rate, worst in small
+elements. The conditions are convex. Between the velocity and one that is strictly inside
 everywhere, found with ``theta >= sin(phi) ||d|| + M/w``, the nearest one that meets them all in
-floating point costs about 1e-5 of the load factor.
+floating point increases the load factor by about 1e-5.
 """
 
 from contextlib import closing
@@ -16,18 +16,18 @@ from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import DissipationGroup, KinematicProgram, associated_contact
 from lacore.solvers.backend import Prepare, checked_answer
 
-_MARGINS = (1e-6, 1e-5, 1e-4)  # M, of a dimensionless program: the first is enough as a rule
-_ROUND_OFF = 1e-12  # of the largest rate: the margin that is left
-_DOUBLED = 8  # times that the share of the inner velocity grows where round-off is left
+_MARGINS = (1e-6, 1e-5, 1e-4)  # M of a dimensionless program; the first one usually suffices
+_ROUND_OFF = 1e-12  # remaining margin, by the largest rate
+_DOUBLED = 8  # number of times that the share of the inner velocity is doubled if round-off remains
 
 
 def possible_velocity(program: KinematicProgram, velocity: Floats, prepare: Prepare) -> Floats:
-    """The velocity moved inward until every cone flows as it can; else what came closest.
+    """Return the velocity moved inward until every cone is admissible; else the closest one.
 
     Args:
-        program: dimensionless.
-        velocity: almost possible, shape (n,).
-        prepare: sets an exact backend to work on a program.
+        program: dimensionless program.
+        velocity: almost admissible velocity, shape (n,).
+        prepare: prepares an exact backend for a program.
     """
     velocity = admissible_velocity(program, velocity)
     best = velocity
@@ -41,7 +41,7 @@ def possible_velocity(program: KinematicProgram, velocity: Floats, prepare: Prep
 
 
 def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Floats | None:
-    """The best velocity that is strictly inside by a margin; None where none is found."""
+    """Return the best velocity that is strictly inside by a margin; None if none is found."""
     groups = tuple(
         group
         if group.surfaces is None
@@ -60,15 +60,15 @@ def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Float
 
 
 def _straining(group: DissipationGroup) -> Floats:
-    """1 of volumetric rows that supports leave something of, else 0: where nothing can strain."""
+    """Return 1 for volumetric rows with free unknowns, else 0: supports prevent their strain."""
     entries = np.asarray(abs(group.volumetric).sum(axis=1)).ravel()
     return np.asarray(entries > _ROUND_OFF * entries.max(initial=0.0), dtype=np.float64)
 
 
 def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Floats:
-    """The velocity with the least share of another one that makes it possible, and stays so."""
+    """Return the velocity with the smallest admissible share of another, with some margin."""
     out, within = _outside(program, velocity), _outside(program, inside)
-    # In other units, and with what supports hold, the same rates differ by round-off.
+    # In other units, and with fixed unknowns, the same rates differ by round-off.
     fastest = max(float(np.abs(g.cone_vectors(velocity)).max(initial=0.0)) for g in program.groups)
     kept = min(_ROUND_OFF * fastest, max(-float(within.max()), 0.0) / 2)
     wrong = out > -kept
@@ -83,7 +83,7 @@ def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Flo
 
 
 def _outside(program: KinematicProgram, velocity: Floats) -> Floats:
-    """How far all cones are from flow that is possible, shape (m,); < 0 inside."""
+    """Return how far all cones are from admissible flow, shape (m,); < 0 inside."""
     own = [
         group.surfaces.impossible(
             np.linalg.norm(group.cone_vectors(velocity), axis=1), group.volumetric @ velocity

@@ -1,4 +1,4 @@
-"""What counts as exact in double precision, and which meshes stand in its way."""
+"""Residuals that count as zero in double precision, and meshes that prevent them."""
 
 from collections.abc import Iterable
 
@@ -6,20 +6,21 @@ import numpy as np
 
 from lacore.model.bodies.continuum.body import Body
 
-_EXACT = 1e-12  # of quantities of order one, sums of thousands of terms
+_EXACT = 1e-12  # tolerance for quantities of order one, as sums of thousands of terms
 
 
 def exactness(bodies: Iterable[Body]) -> float:
-    """Residual that counts as zero: 1e-12, or where that is more the precision of coordinates.
+    """Return the residual that counts as zero: 1e-12, or the precision of coordinates if larger.
 
-    Edges in line within it make conditions that depend on each other within it, and leave as much.
+    Edges in line within that precision make conditions that are dependent within it, and leave a
+    residual of this size.
     """
     eps = np.finfo(float).eps
     return max([_EXACT, *(eps * float(np.abs(b.mesh.p).max()) / b.size for b in bodies)])
 
 
 def smallest_angle(body: Body) -> float:
-    """Of all elements of a body, degrees; NaN for quadrilaterals and tetrahedra."""
+    """Return the smallest angle of all elements, degrees; NaN for quadrilaterals and tetrahedra."""
     mesh = body.mesh
     if mesh.t.shape[0] != 3:
         return float("nan")

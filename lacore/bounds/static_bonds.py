@@ -1,7 +1,7 @@
-"""Bonds of equilibrium elements: tractions that are the same on both sides, whatever they are.
+"""Bonds of equilibrium elements: tractions of any size that are equal on both sides.
 
-The multipliers of the facets of both sides are one then, as those of a facet inside a body; those
-of a facet on a rigid block are its motion. The weaker side yields at what it carries.
+The multipliers of the facets of both sides are then the same, as those of an interior facet; those
+of a facet on a rigid block are its motion. The weaker side yields at its own strength.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ class StaticBonds(Compact):
     Attributes:
         following: nodes, of two multipliers each, shape (k,).
         beside: the nodes that they follow, -1 for rigid blocks, shape (k,).
-        rows: what they follow, of all n multipliers: those of x, then those of y, shape (2 k, n).
+        rows: their values from all n multipliers: those of x, then those of y, shape (2 k, n).
     """
 
     following: Ints
@@ -42,12 +42,12 @@ class StaticBonds(Compact):
 
     @property
     def conditions(self) -> NodeConditions:
-        """What follows is held, as long as nothing tells it what."""
+        """Conditions that hold the following multipliers until `spread` sets them."""
         count = self.following.size
         return join([held(self.following, np.tile(axis, (count, 1))) for axis in np.eye(2)])
 
     def spread(self, basis: Sparse) -> Sparse:
-        """A basis, shape (n, free), in which what follows is held, with what it follows."""
+        """Return a basis, shape (n, free), in which held multipliers follow the others."""
         if not self.following.size:
             return basis
         n, own = basis.shape[0], self._unknowns
@@ -55,10 +55,10 @@ class StaticBonds(Compact):
         return csr_matrix(basis + placed @ (self.rows @ basis))
 
     def carried(self, velocity: Floats) -> Floats:
-        """A velocity, shape (n,), that has the mean of both sides on bonds, or that of the block.
+        """Return a velocity, shape (n,), with the mean of both sides on bonds, or a block's.
 
-        So that either side gets half of the power of tractions on a jump, a body all beside a
-        block.
+        Either side then gets half of the power of tractions on a jump; a body gets all of it on a
+        bond with a block.
         """
         moved = velocity.copy()
         pair = self.beside >= 0
@@ -77,16 +77,16 @@ def static_bonds(
     asked: NodeConditions,
     n: int,
 ) -> StaticBonds:
-    """What the bonds of bodies with each other make follow.
+    """Return the multipliers that follow others through bonds.
 
     Args:
-        interfaces, segments: of the problem.
+        interfaces, segments: interfaces of the problem.
         bodies, rigid: its continua and assemblies.
         asked: conditions of supports and footings.
-        n: multipliers.
+        n: number of multipliers.
 
     Raises:
-        InputError: edges of both sides that do not match, or that a support or a footing holds.
+        InputError: edges of both sides do not match, or a support or footing holds them.
     """
     following = beside = np.zeros(0, dtype=np.int64)
     x = y = csr_matrix((0, n))

@@ -1,8 +1,8 @@
 """Contact rows of equilibrium elements (T26b): tractions at the ends of facets.
 
-Tractions are linear along a facet of a deformable body, whatever it touches: an obstacle, the same
-facet of another body, or rigid blocks, which take the resultants of what acts on their part of it.
-Between rigid blocks alone the points of a joint carry all that statics asks for.
+Tractions are linear along a facet of a deformable body. It may touch an obstacle, the same facet of
+another body, or rigid blocks, which receive the resultants on their part of it. Between rigid
+blocks alone, the points of a joint are sufficient for statics.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,8 +23,8 @@ from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.program.kinematic import ContactRows
 from lacore.reporting.errors import InputError
 
-_SAME_PLACE = 1e-9  # of the body size
-_MISSING = 2.0  # times the distance up to which coordinates count as one: at either end
+_SAME_PLACE = 1e-9  # by the size of the body
+_MISSING = 2.0  # factor of the distance within which coordinates are equal, for both ends
 # Gauss rule on (0, 1), exact up to degree 3: a shape function times the velocity of a block.
 _PLACES = (1 + np.array([-1, 1]) / np.sqrt(3)) / 2
 
@@ -36,7 +36,7 @@ def traction_rows(
     rigid: Mapping[str, RigidDofs[BlockAssembly]],
     n: int,
 ) -> tuple[ContactRows, ContactPoints]:
-    """Tractions at the ends of facets: linear between, they obey the convex law there too."""
+    """Return the tractions at the ends of facets, linear between, so the convex law holds there."""
     stations = []
     for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
         if interface.bonded:
@@ -56,7 +56,7 @@ def traction_station(
     rigid: Mapping[str, RigidDofs[BlockAssembly]],
     n: int,
 ) -> Station:
-    """Two points a facet of the deformable side, of the slave where both are."""
+    """Return two points per facet of the deformable side, that of the slave if both are."""
     field = f"Problem.interfaces[{index}]"
     names = [name for name, _ in interface.sides]
     sides = list(zip(names, segments.edges, strict=False))
@@ -96,7 +96,7 @@ def traction_station(
 
 
 def selected(nodes: Ints, n: int, dimension: int = 2) -> tuple[Sparse, ...]:
-    """Rows of u_x, u_y (and u_z) of nodes of multipliers, each of shape (nodes, n)."""
+    """Return the rows of u_x, u_y (and u_z) of nodes of multipliers, each of shape (nodes, n)."""
     one, start = np.ones(nodes.size), np.arange(nodes.size + 1)
     return tuple(
         csr_matrix((one, dimension * nodes + axis, start), shape=(nodes.size, n))
@@ -106,14 +106,14 @@ def selected(nodes: Ints, n: int, dimension: int = 2) -> tuple[Sparse, ...]:
 
 @dataclass(frozen=True)
 class _Parts:
-    """Segments as parts of f facets: facet by facet, and along each from 0 to 1.
+    """Segments as parts of f facets: by facet, and along each from 0 to 1.
 
     Attributes:
         order: numbers of the segments, shape (k,).
-        facet: of each, ascending, shape (k,).
+        facet: facet of each segment, ascending, shape (k,).
         first: place in `order` of the first one of each facet, shape (f,).
         low, high: their ends as shares of the facet, shape (k,).
-        start, along: of the facets, shape (2, f).
+        start, along: start and direction of the facets, shape (2, f).
     """
 
     order: Ints
@@ -126,7 +126,7 @@ class _Parts:
 
     @classmethod
     def of(cls, start: Floats, end: Floats, facet: Ints, segments: Segments) -> "_Parts":
-        """Segments on the facets from `start` to `end`, by the number of the facet of each."""
+        """Return the segments on the facets from `start` to `end`, by the facet number of each."""
         along = end - start
         shares = [
             np.sum((place - start[:, facet]) * along[:, facet], axis=0)
@@ -140,7 +140,7 @@ class _Parts:
 
     @property
     def holes(self) -> tuple[Ints, Floats, Floats]:
-        """What no segment covers: facets, from where to where, shares, shape (k + f,) each."""
+        """Uncovered parts: facets, begin and end as shares, shape (k + f,) each."""
         begin = np.append(0.0, self.high[:-1])
         begin[self.first] = 0.0
         last = self._last
@@ -155,10 +155,12 @@ class _Parts:
         return np.append(self.first[1:], self.facet.size) - 1
 
     def means(self, dofs: RigidDofs[BlockAssembly], blocks: Ints, n: int) -> tuple[Sparse, Sparse]:
-        """Rows of ``2/L int N_i u ds`` of blocks over the facets, first the starts: (2 f, n).
+        """Return the rows of ``2/L int N_i u ds`` of blocks over the facets, starts first.
 
-        What does the power of a traction that is linear along the facet on rigid motions: so what
-        acts on blocks is what acts on the body, resultants and moments. Without the holes.
+        (2 f, n).
+
+        They give the power of tractions, linear along the facet, on rigid motions, so blocks and
+        body receive the same resultants and moments. Uncovered parts are left out.
         """
         low = self.low.copy()
         low[self.first] = 0.0
@@ -180,9 +182,9 @@ class _Parts:
 
 
 def _check_covered(parts: _Parts, interface: Interface, allowed: float, field: str) -> None:
-    """Raise `InputError` where blocks touch a part of a facet only.
+    """Raise `InputError` where blocks touch only a part of a facet.
 
-    Tractions that are linear along all of it, and zero beside the blocks, would be zero.
+    Tractions that are linear along the facet and zero on the uncovered part would be zero.
     """
     facet, begin, end = parts.holes
     length = np.linalg.norm(parts.along, axis=0)[facet]
@@ -205,10 +207,10 @@ def _matched(
     slaves: tuple[Floats, Floats],
     field: str,
 ) -> Ints:
-    """Nodes of the master at the starts, then at the ends of the slave's facets, shape (2 k,).
+    """Return the nodes of the master at the starts, then at the ends of the slave's facets, (2 k,).
 
     Raises:
-        InputError: facets of both sides that are not the same.
+        InputError: facets of the two sides differ.
     """
     (start, end), (a, b, _) = slaves, facet_geometry(master.body, facets)
     near = _SAME_PLACE * master.body.size

@@ -1,10 +1,10 @@
-"""Corners at which no linear stress meets the loads (T25).
+"""Corners at which no linear stress can balance the loads (T25).
 
 A velocity of the facets at one vertex can be free of strain in all elements there: across an
 element with facets f and g, ``W_f = a L_g n_g`` and ``W_g = -a L_f n_f``. A corner that is filled
 by one element has such a mode, a vertex with more only if the facets next to each inner one are in
-line. Loads that do power on it ask for two shear stresses at one place; then the load factor is
-pinned, to 0 as a rule, on every refinement that keeps the pattern.
+line. Loads with power on it require two shear stresses at one place; then the load factor is fixed,
+usually to 0, on every refinement that keeps the pattern.
 """
 
 from collections.abc import Mapping
@@ -18,11 +18,11 @@ from lacore.program.kinematic import KinematicProgram
 from lacore.reporting.errors import InputError
 
 _PARALLEL = 1e-9  # sine
-_ROUND_OFF = 1e-9  # of the load on the facets at a vertex
+_ROUND_OFF = 1e-9  # by the load on the facets at a vertex
 
 
 class CornerError(InputError):
-    """Loads that linear stresses cannot meet on this mesh, by the elements of a body at fault."""
+    """Loads that linear stresses cannot balance on this mesh, with the elements at fault."""
 
     def __init__(self, body: str, elements: list[int]) -> None:
         self.body, self.elements = body, elements
@@ -64,7 +64,7 @@ def check_corners(
 
 
 def _loaded_vertices(dofs: EquilibriumDofs, loaded: Floats) -> Ints:
-    """Ends of boundary facets that carry a load."""
+    """Return the ends of boundary facets with a load."""
     mesh = dofs.body.mesh
     facets = mesh.boundary_facets()
     ends = dofs.facet_nodes(facets)
@@ -73,13 +73,13 @@ def _loaded_vertices(dofs: EquilibriumDofs, loaded: Floats) -> Ints:
 
 
 def _mode(dofs: EquilibriumDofs, sides: Floats, vertex: int, n: int) -> Floats | None:
-    """Velocity of the facets at a vertex without strain, shape (n,), if there is one.
+    """Return the velocity of the facets at a vertex without strain, shape (n,), if there is one.
 
     Args:
-        dofs: of the body.
+        dofs: multipliers of the body.
         sides: length times outward normal of the facets of elements, shape (2, 3, elements).
-        vertex: its number.
-        n: of unknowns.
+        vertex: number of the vertex.
+        n: number of unknowns.
     """
     mesh = dofs.body.mesh
     fan: dict[int, dict[int, Floats]] = {}  # sides of the two facets at the vertex, by element
@@ -109,14 +109,14 @@ def _mode(dofs: EquilibriumDofs, sides: Floats, vertex: int, n: int) -> Floats |
 
 
 def _free(mode: Floats, basis: Sparse) -> bool:
-    """Whether supports and footings allow it: the columns of the basis are orthogonal."""
+    """Return whether supports and footings allow it: the columns of the basis are orthogonal."""
     size = np.asarray(basis.multiply(basis).sum(axis=0)).ravel()
     left = basis @ ((basis.T @ mode) / size) - mode
     return bool(norm(left) <= _ROUND_OFF * norm(mode))
 
 
 def _resisted(mode: Floats, full: KinematicProgram) -> bool:
-    """Whether contact stands against it."""
+    """Return whether contact resists it."""
     contact = full.contact
     rubs = (contact.limit > 0) | (contact.dilatancy > 0)
     moved = np.abs(contact.opening(mode)) + rubs * norm(contact.slip(mode), axis=1)

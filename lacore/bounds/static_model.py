@@ -1,4 +1,4 @@
-"""From a `Problem` to the kinematic dual of its lower bound program (T26b)."""
+"""Assembly of the kinematic dual of the lower bound program of a `Problem` (T26b)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -53,19 +53,19 @@ from lacore.reporting.text import Quantity, text
 
 @dataclass(frozen=True, repr=False)
 class StaticModel(Shown):
-    """An assembled lower bound problem.
+    """Assembled lower bound problem.
 
     Attributes:
-        problem: what was assembled.
-        full: the program for all multipliers, SI units.
-        program: the program for the free unknowns, SI units; stresses, reactions and load factor
-            are its multipliers.
+        problem: the problem.
+        full: program of all multipliers, SI units.
+        program: program of the free unknowns, SI units; stresses, reactions and load factor are its
+            multipliers.
         continua: deformable bodies by name.
         assemblies: rigid blocks by name.
         points: geometry of the contact points, the ends of facets and of joints.
-        bonds: multipliers that bonded interfaces make one.
-        natural: scales in which the quantities of the answer are of order one.
-        bulging: quadratic stresses beside the linear ones, of body forces that vary.
+        bonds: multipliers that bonded interfaces join.
+        natural: scales in which the results are of order one.
+        bulging: quadratic stresses, in addition to the linear ones, of body forces that vary.
     """
 
     problem: Problem
@@ -84,7 +84,7 @@ class StaticModel(Shown):
         return sized(self.n_elements, self.program.n, self.program.contact.count)
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the size and contents of the model, for printing."""
         told = {
             "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
             "bodies": listed(self.problem.bodies),
@@ -94,10 +94,10 @@ class StaticModel(Shown):
         return Facts(f"StaticModel: {counted(self.program.n, 'free multiplier')}", told)
 
     def weakened(self, load_factor: float) -> "StaticModel":
-        """With what quadratic stresses leave of strengths up to a load factor.
+        """Return the model with strengths reduced by quadratic stresses up to a load factor.
 
         Raises:
-            InputError: nothing is left somewhere.
+            InputError: no strength remains somewhere.
         """
         full, program = (
             weakened(own, self.continua, self.bulging, load_factor)
@@ -116,11 +116,11 @@ def static_model(problem: Problem) -> StaticModel:
     """Assemble the lower bound problem.
 
     Raises:
-        InputError: what equilibrium elements cannot state (bodies that are no straight triangles
-            and no rigid blocks, point forces on continua, friction that is not associated,
+        InputError: features that equilibrium elements do not support (bodies that are neither
+            straight triangles nor rigid blocks, point forces on continua, non-associated friction,
             interfaces whose meshes do not match, blocks whose edges end inside one of an element,
-            loads that ask for two shear stresses at a corner of one element), a reference load
-            that does no power.
+            loads that require two shear stresses at a corner of one element), or a reference load
+            without power.
     """
     continua = _continua(problem)
     solid = any(body.dimension == 3 for body in continua.values())
@@ -134,7 +134,7 @@ def static_model(problem: Problem) -> StaticModel:
     assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, after)
     n = after + sum(own.count for own in assemblies.values())
     dofs: dict[str, EquilibriumDofs | RigidDofs[BlockAssembly]] = {**bodies, **assemblies}
-    plane = {} if solid else bodies  # in space body forces are uniform in each element
+    plane = {} if solid else bodies  # In three dimensions body forces are uniform in each element.
     bulging = Bulging.of(problem, plane)
     if solid:
         contact, points = face_tractions(problem.interfaces, problem.touching, bodies, n)
@@ -157,7 +157,7 @@ def static_model(problem: Problem) -> StaticModel:
         bonds, basis = _in_plane(problem, bodies, footings, assemblies, n)
         check_corners(full, basis, bodies)
     program = reduced(full, basis)
-    # What a support takes altogether needs no reaction.
+    # Points whose force a support takes completely need no reaction.
     contact = program.contact
     slides = np.diff(contact.tangential.indptr).reshape(-1, contact.tangent_dim).any(axis=1)
     kept = slides | (np.diff(contact.normal.indptr) > 0)
@@ -197,7 +197,7 @@ def _in_plane(
     assemblies: Mapping[str, RigidDofs[BlockAssembly]],
     n: int,
 ) -> tuple[StaticBonds, Sparse]:
-    """What bonds make one, and all multipliers from the free ones."""
+    """Return the bonds, and all multipliers from the free ones."""
     node_dofs = np.arange(sum(own.count for own in bodies.values())).reshape(-1, 2).T
     conditions = join(
         [
@@ -264,7 +264,7 @@ def _continua(problem: Problem) -> dict[str, Body]:
 
 
 def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None:
-    """Refuse what has no strength at all without pressure: no proof in floating point has room."""
+    """Raise `InputError` for soils without cohesion, as floating point could not prove a bound."""
     for region in strengthless(dofs.body):
         raise InputError(
             named_criterion(name, region),
@@ -276,7 +276,7 @@ def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None
 
 
 def _check_left(name: str, dofs: EquilibriumDofs, groups: Sequence[DissipationGroup]) -> None:
-    """Refuse elements that may have no strength, for all that is known of it."""
+    """Raise `InputError` for elements whose known lower limit of strength is not positive."""
     for region, group in zip(dofs.body.regions, groups, strict=True):
         least = group.bound if group.surfaces is None else group.surfaces.strength.min(axis=1)
         none = np.flatnonzero(least.reshape(region.elements.size, -1).min(axis=1) <= 0)
@@ -339,7 +339,7 @@ def _check_statable(problem: Problem) -> None:
 
 
 def _ends(dofs: EquilibriumDofs, part: Fix | Footing) -> tuple[Ints, Floats]:
-    """Nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
+    """Return nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
     facets = facets_of(part, dofs.body)
     _, _, outward = facet_geometry(dofs.body, facets)
     return dofs.facet_nodes(facets).ravel(), np.tile(outward.T, (2, 1))

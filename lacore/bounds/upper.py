@@ -56,9 +56,9 @@ from lacore.solvers.inner.preparing import preparer_named
 from lacore.solvers.inner.rigid_motions import motions_without_strain
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
-_PARTS = 8  # into which the edges of an element are divided
-_INSIDE = 1e-4  # residual of a velocity that is inside, and need not be the best
-_NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may be rigid
+_PARTS = 8  # number of parts into which the edges of an element are divided
+_INSIDE = 1e-4  # residual of a velocity that is inside, and need not be optimal
+_NOISE = 1e-7  # strain of a body, by the largest term of its sums, below which it may be rigid
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,19 +66,18 @@ class UpperBound(Reported):
     """A kinematically admissible velocity, and the load factor that it proves.
 
     Attributes:
-        status: SOLVED where the velocity is admissible, however close to the best the solve came;
-            else as it ended.
+        status: SOLVED if the velocity is admissible, optimal or not; else the status of the solve.
         load_factor: alpha, no smaller than that of the continuum where `rigor` says so; NaN unless
             SOLVED, or +inf where LOCKED.
         rigor: what the load factor proves.
-        divergence: what leaks, ``sum w |theta|``, per largest velocity and body length; at most
+        divergence: volume change, ``sum w |theta|``, per largest velocity and body length; at most
             1e-12, or the precision of coordinates far from the origin, where SOLVED.
         penetration: recomputed as in `Certificate`; at most the same.
         velocity: all unknowns, m/s at ``F0.u = 1``, shape (n,).
         dissipation: plastic power of each element by continuum, shape (elements,), in the unit of
             load factors; half of that of a velocity jump on either side, all of it at a boundary.
-        state: the solve that it was made of; its load factor is that of the vertex rule.
-        findings: What else there is to report; `message` is their text.
+        state: the solve that it was made from; its load factor is that of the vertex rule.
+        findings: further findings; `message` is their text.
     """
 
     status: Status
@@ -98,20 +97,20 @@ class UpperBound(Reported):
 
     @property
     def ray(self) -> Ray | None:
-        """What proves that the problem of `state` is LOCKED or UNSAFE: see `LimitState`."""
+        """Proof that the problem of `state` is LOCKED or UNSAFE: see `LimitState`."""
         return self.state.ray
 
     @property
     def lost(self) -> float:
-        """How far above the solver's load factor it is, as the velocity is made admissible.
+        """Increase of the load factor when the solver's velocity is made admissible.
 
-        A finer rule for the dissipation makes it less; NaN where either is missing.
+        A finer rule for the dissipation reduces it; NaN if either is missing.
         """
         point = self.state.point
         return np.nan if point is None else self.load_factor - point.load_factor
 
     def facts(self) -> Facts:
-        """What is proven, and how well."""
+        """Return the proven load factor and its residuals, for printing."""
         told = {
             "status": self.report.summary_for(PYTHON),
             "residual": f"divergence {self.divergence:.1e}, penetration {self.penetration:.1e}",
@@ -122,7 +121,7 @@ class UpperBound(Reported):
         return Facts(f"UpperBound: load factor {self.load_factor:.7g}, {self.rigor.value}", told)
 
     def picture(self) -> Picture:
-        """That of the solve."""
+        """Return the picture of the solve."""
         drawn = self.state.picture()
         return Picture(drawn.figure, drawn.caption or "the solve that the bound was made of")
 
@@ -135,21 +134,22 @@ def upper_bound(
     options: Mapping[str, Any] | None = None,
     throw: bool = False,
 ) -> UpperBound:
-    """Strict upper bound of the load factor of a problem, with the velocity that proves it.
+    """Compute a strict upper bound of the load factor, with the velocity that proves it.
 
-    The solver's velocity is projected onto what is admissible, and its dissipation integrated anew:
-    on the lattice of each element the vertex rule of T22 is above the integral of the convex
-    dissipation too, and much closer. So velocities of ``p2-gauss`` have strict bounds as well, and
-    often closer ones than those of ``p2-vertex``: they minimise more nearly what they prove.
+    The solver's velocity is projected onto the admissible ones, and its dissipation is integrated
+    again: on a lattice in each element the vertex rule of T22 is still above the integral of the
+    convex dissipation, and much closer. Velocities of ``p2-gauss`` therefore have strict bounds as
+    well, and often closer ones than those of ``p2-vertex``, because their objective is closer to
+    the bound.
 
     Args:
-        problem: the problem, its discretisation, or a state that was found before.
+        problem: the problem, its discretisation, or a state found before.
         backend, options, throw: see `lacore.solve`; unused with a state.
 
     Raises:
-        InputError: Coulomb friction, which has no bounds; a state within a step of a path that
-            hardens or closes a distance; strength that depends on pressure in a space that is not
-            strict by itself; what `lacore.solve` refuses.
+        InputError: Coulomb friction, which has no bounds; a state within a step of a path with
+            hardening or a closing distance; pressure-dependent strength in a velocity space that is
+            not strict by itself; anything that `lacore.solve` rejects.
         SolveError: see `throw`.
 
     Example:
@@ -207,7 +207,7 @@ def upper_bound(
 def _candidates(
     state: LimitState, program: KinematicProgram, velocity: Floats
 ) -> list[tuple[Floats, Bools]]:
-    """Admissible velocities near one, shape (n,), and which groups are rigid in them."""
+    """Return admissible velocities near one, shape (n,), and which groups are rigid in them."""
     none = np.zeros(len(program.groups), dtype=bool)
     if not program.pressure_dependent:
         nearest = (admissible_velocity(program, velocity), none)
@@ -226,10 +226,10 @@ def _without_noise(
     velocity: Floats,
     admissible: Callable[[KinematicProgram, Floats], Floats],
 ) -> list[tuple[Floats, Bools]]:
-    """The velocity with what hardly strains rigid, admissible; none where all strains.
+    """Return the admissible velocity with almost unstrained groups rigid; none if all strain.
 
-    A body far stronger than what limits the load pays for strains that are only noise, and of soil
-    noise is no flow that is possible.
+    A body far stronger than the rest would dissipate power in strains that are only noise, and in
+    soils noise is not admissible flow.
 
     Returns:
         The velocity, shape (n,), and which groups are rigid.
@@ -245,7 +245,7 @@ def _without_noise(
     if not any(group.weights.size for group in resting):
         return []
     basis = motions_without_strain(resting)
-    if not basis.shape[1]:  # all that moves strains as little as noise: this is the motion
+    if not basis.shape[1]:  # All moving parts strain as little as noise, so this is the motion.
         return []
     rigid = reduced(replace(program, groups=tuple(strained)), basis)
     motion = lsqr(basis, velocity, atol=0.0, btol=0.0)[0]
@@ -255,19 +255,19 @@ def _without_noise(
 def _bound(
     state: LimitState, program: KinematicProgram, point: ProgramState, rigid: Bools
 ) -> UpperBound:
-    """What an admissible velocity proves.
+    """Return the bound of an admissible velocity.
 
     Args:
-        state: that it was made of.
-        program, point: dimensionless.
-        rigid: groups that move as rigid bodies: what they strain is round-off, or it is no bound.
+        state: the state that it was made from.
+        program, point: dimensionless program and point.
+        rigid: groups that move as rigid bodies, whose strains must be round-off.
     """
     discretisation = state.discretisation
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
     penetration = certify(program, point, associated_contact(program.contact)).penetration
-    # Where strength depends on pressure, flow is possible or it is not: nothing is round-off, but
-    # that of what moves as rigid.
+    # With pressure-dependent strength flow is admissible or not: nothing is round-off, except that
+    # of rigid parts.
     groups = zip(discretisation.full.groups, rigid, strict=True)
     soil = [(group, still) for group, still in groups if group.surfaces is not None]
     pressed = [group for group, still in soil if not still]
@@ -301,7 +301,7 @@ def _bound(
 
 
 def _leak(program: KinematicProgram, velocity: Floats) -> float:
-    """Volume that incompressible parts gain, per largest velocity."""
+    """Return the volume change of incompressible parts, by the largest velocity."""
     gained = sum(
         float(group.weights @ np.abs(group.volumetric @ velocity))
         for group in program.groups
@@ -311,7 +311,7 @@ def _leak(program: KinematicProgram, velocity: Floats) -> float:
 
 
 def _strain(groups: Sequence[DissipationGroup], velocity: Floats) -> float:
-    """Integral of the strain rates of groups."""
+    """Return the integral of the strain rates of groups."""
     return sum(
         float(group.weights @ np.linalg.norm(group.cone_vectors(velocity), axis=1))
         for group in groups
@@ -319,7 +319,7 @@ def _strain(groups: Sequence[DissipationGroup], velocity: Floats) -> float:
 
 
 def _rigor(discretisation: Discretisation) -> Rigor:
-    """What an admissible velocity proves: something of the continuum where edges are straight."""
+    """Return what an admissible velocity proves: for the continuum only if edges are straight."""
     inside = any("inner" in one.body.polygons for one in discretisation.frames.values())
     strict = all(
         one.linear and one.body.geometry == "exact" for one in discretisation.continua.values()
@@ -330,7 +330,7 @@ def _rigor(discretisation: Discretisation) -> Rigor:
 def _load_factor(
     discretisation: Discretisation, velocity: Floats, power: Mapping[str, Floats]
 ) -> float:
-    """Return the power that is dissipated less that of the dead load (T5)."""
+    """Return the dissipated power minus that of the dead load (T5)."""
     full = discretisation.full
     hinges = full.groups[region_count(discretisation.continua) + len(discretisation.jumping) :]
     return (
@@ -344,7 +344,7 @@ def _load_factor(
 def _impossible(
     program: KinematicProgram, pressed: Sequence[DissipationGroup], velocity: Floats
 ) -> Finding | None:
-    """Return which soil cannot flow so, and by how much; None where all can."""
+    """Return the soil whose flow is inadmissible, and by how much; None if there is none."""
     fastest = max(np.abs(g.cone_vectors(velocity)).max(initial=0.0) for g in program.groups)
     most = {group.name: group.impossible(velocity).max(initial=0.0) for group in pressed}
     beyond = {name: float(size / fastest) for name, size in most.items() if not size <= 0}
@@ -375,13 +375,13 @@ def _unbounded(state: LimitState) -> UpperBound:
 def plastic_power(
     discretisation: Discretisation, velocity: Floats, parts: int
 ) -> dict[str, Floats]:
-    """Plastic power of elements by continuum, that of jumps half to either side.
+    """Return the plastic power of elements by continuum, with that of jumps half to either side.
 
     Args:
         discretisation: the problem.
-        velocity: all unknowns.
-        parts: into which edges are divided: on their lattice the vertex rule is above the integral
-            of the convex dissipation. 1 is the rule of the program, whatever its strain points.
+        velocity: velocity of all unknowns.
+        parts: number of parts of each edge: on their lattice the vertex rule is above the integral
+            of the convex dissipation. 1 is the rule of the program with any strain points.
     """
     power = {}
     for name, dofs, groups in by_body(discretisation.continua, discretisation.full.groups):

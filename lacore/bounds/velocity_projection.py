@@ -1,8 +1,8 @@
 """Projection of velocities onto exact kinematic admissibility (T26c).
 
 The nearest velocity without divergence, penetration and forbidden slip, ``min ||du||`` subject to
-``A (u + du) = 0``, is one sparse solve with ``A A^T``. Rows that depend on each other (theta around
-a crossing of edges) get a shift, which refinement undoes.
+``A (u + du) = 0``, is one sparse solve with ``A A^T``. Dependent rows (theta around a crossing of
+edges) get a shift, whose effect refinement removes.
 """
 
 import numpy as np
@@ -13,25 +13,25 @@ from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore.numerics.symmetric import factorised
 from lacore.program.kinematic import KinematicProgram
 
-_SHIFT = 1e-11  # of rows of length 1
+_SHIFT = 1e-11  # by rows of length 1
 _REFINEMENTS = 5
-_FINISHED = 0.5  # a refinement that leaves more than this has come to round-off
-_ROUND_OFF = 1e-13  # of the largest speed: penetration that is none
-_ROUNDS = 4  # of projections, each with what the one before has closed
-_CLOSE = 1e-6  # of the largest speed: contact that could be lost by the projection
+_FINISHED = 0.5  # A refinement that leaves more than this has reached round-off.
+_ROUND_OFF = 1e-13  # penetration, by the largest speed, that counts as zero
+_ROUNDS = 4  # number of projections, each with the contacts that the last one has closed
+_CLOSE = 1e-6  # opening, by the largest speed, that the projection could close
 
 
 def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
-    """The nearest admissible velocity with ``F0.u = 1``, to round-off; else what came closest.
+    """Return the nearest admissible velocity with ``F0.u = 1``, to round-off; else the closest one.
 
     Args:
-        program: dimensionless.
-        velocity: almost admissible, shape (n,).
+        program: dimensionless program.
+        velocity: almost admissible velocity, shape (n,).
     """
     contact = program.contact
     fastest = float(np.abs(velocity).max())
     close = _beyond(program, velocity) > -_CLOSE * fastest
-    rests = np.isinf(contact.limit)  # of points, as all masks here
+    rests = np.isinf(contact.limit)  # mask of points, as all masks here
     rests |= close & (contact.dilatancy > 0) & (_sliding(program, velocity) < _CLOSE * fastest)
     moved = velocity
     for _ in range(_ROUNDS):
@@ -39,25 +39,25 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
         wrong = _beyond(program, moved) > _ROUND_OFF * fastest
         if not np.any(wrong & ~(close & (rests | (contact.dilatancy == 0)))):
             break
-        # Slip that was noise has turned round, or what was open has closed: no motion there.
+        # Slip that was noise has reversed, or an open contact has closed, so there is no motion.
         close, rests = close | wrong, rests | (wrong & (contact.dilatancy > 0))
     return moved / float(program.reference_load @ moved)
 
 
 def _sliding(program: KinematicProgram, velocity: Floats) -> Floats:
-    """How fast contact points slip, shape (m,)."""
+    """Return the slip rates of contact points, shape (m,)."""
     return np.asarray(np.linalg.norm(program.contact.slip(velocity), axis=1))
 
 
 def _beyond(program: KinematicProgram, velocity: Floats) -> Floats:
-    """How far contact points penetrate, against what their slip dilates, shape (m,)."""
+    """Return the penetration of contact points against the dilation of their slip, shape (m,)."""
     contact = program.contact
     dilated = contact.dilatancy * _sliding(program, velocity)
     return np.asarray(dilated - contact.opening(velocity))
 
 
 def _nearest(rows: Sparse, velocity: Floats) -> Floats:
-    """The nearest velocity on which all rows vanish, to round-off if that can be."""
+    """Return the nearest velocity on which all rows vanish, to round-off if that is possible."""
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     rows = csr_matrix(diags_array(1 / length[length > 0]) @ rows[length > 0])
     matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
@@ -67,7 +67,7 @@ def _nearest(rows: Sparse, velocity: Floats) -> Floats:
     try:
         solver = factorised(matrix)
     except SingularError:
-        return velocity  # what is left tells
+        return velocity  # The residual shows the result.
     try:
         return _projected(rows, velocity, solver)
     finally:
@@ -89,16 +89,17 @@ def _projected(rows: Sparse, velocity: Floats, solver: SymmetricSolver) -> Float
 
 
 def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests: Bools) -> Sparse:
-    """Rows that must be zero: no slip where contact rests, no penetration, no divergence.
+    """Return the rows that must be zero: slip at resting contact, penetration, divergence.
 
-    Divergence only where strength feels no pressure. Contact that is open by far plays no part;
-    where it hardly is, it is closed: rows that depend on each other, of a body that is held all
-    around, contradict unless all ask for zero. Where dilatant points slip, the cone of their law is
-    one of its faces, in space its plane at the direction of slip; where they hardly do, they stick.
+    Divergence counts only where strength does not depend on pressure. Contact that is clearly open
+    has no effect. Contact that is hardly open counts as closed, because dependent rows of a body
+    that is held on all sides are contradictory unless all require zero. Where dilatant points slip,
+    the cone of their law is one of its faces, or in three dimensions its plane in the direction of
+    slip; where they hardly slip, they stick.
 
     Args:
-        program: dimensionless.
-        velocity: whose slip says which face.
+        program: dimensionless program.
+        velocity: velocity whose slip determines the face.
         close: contact points that touch, shape (m,).
         rests: those that do not slip, shape (m,).
     """
@@ -113,7 +114,7 @@ def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests
 
 
 def _dilating(program: KinematicProgram, velocity: Floats) -> Sparse:
-    """Rows of how fast contact opens by slip along its direction, shape (m, n)."""
+    """Return the rows of the opening of contact by slip along its direction, shape (m, n)."""
     contact = program.contact
     slip, size = contact.slip(velocity), _sliding(program, velocity)
     along = slip / np.where(size > 0, size, 1.0)[:, None]

@@ -6,7 +6,7 @@ import numpy as np
 
 from lacore.numerics.arrays import Floats
 
-_INDEPENDENT = 1e-8  # singular values below this share of the largest carry no direction
+_INDEPENDENT = 1e-8  # singular values below this share of the largest are ignored
 
 
 @dataclass
@@ -24,7 +24,7 @@ class Anderson:
     _residuals: list[Floats] = field(default_factory=list)
 
     def step(self, argument: Floats, image: Floats) -> Floats:
-        """Next argument, given the last one and its image."""
+        """Return the next argument for the last one and its image."""
         residual = image - argument
         self._arguments = [*self._arguments, argument][-(self.depth + 1) :]
         self._residuals = [*self._residuals, residual][-(self.depth + 1) :]

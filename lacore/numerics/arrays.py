@@ -1,4 +1,4 @@
-"""The array types that signatures speak of."""
+"""Array types for signatures."""
 
 from typing import Any
 
@@ -12,5 +12,5 @@ Ints = npt.NDArray[np.int64]
 """An array of whole numbers, such as those of elements."""
 Bools = npt.NDArray[np.bool_]
 """An array of yes and no."""
-Geometries = npt.NDArray[np.object_]  # of shapely
+Geometries = npt.NDArray[np.object_]  # shapely
 Sparse = csr_matrix[Any]

@@ -1,11 +1,11 @@
-"""Curves of solutions of ``F(z) = theta F(z0)`` from theta = 1 on, followed round their turns.
+"""Curves of solutions of ``F(z) = theta F(z0)`` from theta = 1 on, followed around their folds.
 
-Some of z has to stay positive, or within cones. So a curve is followed by its length in relative
-changes of that and in log(theta), and not by theta, which may grow for a while: Newton's steps from
-a tangent, in the plane across it (Keller 1977; Allgower & Georg 1990, ch. 10). Which way is onward
-is told by the sign of the determinant of ``dF/dz``, which changes at each fold (Chow, Mallet-Paret
-& Yorke 1978), so that a curve is never followed back: cosines to the last direction go wrong where
-both ends of a hairpin are close to each other.
+Some of z must remain positive, or within cones. A curve is therefore followed by its length in
+relative changes of those parts and in log(theta), and not by theta, which may grow for a while:
+Newton's steps from a tangent, in the plane across it (Keller 1977; Allgower & Georg 1990, ch. 10).
+The direction follows from the sign of the determinant of ``dF/dz``, which changes at each fold
+(Chow, Mallet-Paret & Yorke 1978), so that a curve is never followed back. Cosines to the last
+direction would fail where both ends of a hairpin are close to each other.
 """
 
 from collections.abc import Iterator
@@ -18,11 +18,12 @@ from lacore.numerics.arrays import Floats
 from lacore.numerics.linear_algebra import SingularError
 
 _FIRST = 0.3  # length of the first step
-_NEAR, _CLOSE = 0.6, 0.1  # off the curve after one correction, and after more
-_BOUNDARY = 0.9  # of the way to it
-_FALL, _RISE = 0.8, 2.5  # of anything positive, in a predicted step
-_LEAP = 1.0  # of log(theta), in a correction
-_LONGER = (2.0, 1.0, 2 / 3, 2 / 3)  # the next step, by corrections of the last: as many at most
+_NEAR, _CLOSE = 0.6, 0.1  # distance from the curve after one correction, and after more
+_BOUNDARY = 0.9  # share of the way to the boundary
+_FALL, _RISE = 0.8, 2.5  # limits of relative changes of positive parts in a predicted step
+_LEAP = 1.0  # limit of log(theta) in a correction
+# factor of the next step by the number of corrections in the last one
+_LONGER = (2.0, 1.0, 2 / 3, 2 / 3)
 _TRIALS, _SHORTER, _RECENTRED = 6, 1 / 3, 3
 
 
@@ -31,19 +32,19 @@ class Linear(Protocol):
 
     @property
     def sign(self) -> float:
-        """Of its determinant, but for a factor that is the same at all places."""
+        """Sign of its determinant, up to a factor that is the same at all places."""
 
     def solve(self, right: Floats) -> Floats:
-        """``(dF/dz)^-1 right``."""
+        """Return ``(dF/dz)^-1 right``."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """A change of z, relative to what has to stay positive.
+    """Change of z relative to the parts that must remain positive.
 
     Attributes:
-        vector: whose length is that of the change.
-        least, most: by which eigenvalues of anything positive change: -1 is at its boundary.
+        vector: vector whose length is that of the change.
+        least, most: relative changes of eigenvalues of positive parts: -1 reaches the boundary.
     """
 
     vector: Floats
@@ -52,24 +53,27 @@ class Change:
 
 
 class System(Protocol):
-    """What a curve solves."""
+    """Equations of a curve."""
 
     def residual(self, z: Floats) -> Floats:
-        """F."""
+        """Return F."""
 
     def linear(self, z: Floats) -> Linear:
-        """Its derivative; raises `SingularError`."""
+        """Return its derivative; raises `SingularError`."""
 
     def changes(self, z: Floats, dz: Floats) -> Change:
-        """A change, relative to z."""
+        """Return a change, relative to z."""
 
     def off(self, z: Floats, aim: Floats) -> float:
-        """How far z is from where F is `aim`, 0 on the curve; inf outside of what is positive."""
+        """Return the distance of z from F = `aim`, 0 on the curve.
+
+        Inf outside of positive parts.
+        """
 
 
 @dataclass(frozen=True)
 class Place:
-    """A place near the curve, log(theta) there, and how many factorisations led to it."""
+    """Place near the curve, log(theta) there, and the number of factorisations used."""
 
     z: Floats
     level: float
@@ -78,7 +82,7 @@ class Place:
 
 @dataclass(frozen=True)
 class _Aim:
-    """A place that is corrected across a direction; along a level where there is none."""
+    """Place that is corrected across a direction, or at constant theta without one."""
 
     z: Floats
     level: float
@@ -87,7 +91,7 @@ class _Aim:
 
 @dataclass(frozen=True)
 class _Curve:
-    """A system, what its equations leave at the start, and the sign of the determinant there."""
+    """System, the residual of its equations at the start, and the sign of the determinant."""
 
     system: System
     left: Floats
@@ -103,18 +107,18 @@ class _Curve:
 
 @dataclass(frozen=True)
 class _Tangent:
-    """The derivative at a place, and dz/dtheta of a curve there."""
+    """Derivative at a place, and dz/dtheta of a curve there."""
 
     linear: Linear
     slope: Floats
 
 
 def followed(system: System, start: Floats) -> Iterator[Place]:
-    """Places along the curve from a start, that included; until no next one is found.
+    """Yield places along the curve, including the start, until no next one is found.
 
     Args:
-        system: what is solved.
-        start: inside of all that has to stay positive.
+        system: the equations.
+        start: place inside all parts that must remain positive.
     """
     place, length, lost = Place(start, 0.0, 1), _FIRST, False
     try:
@@ -128,7 +132,7 @@ def followed(system: System, start: Floats) -> Iterator[Place]:
                 yield place
             elif lost:
                 return
-            else:  # the tangent was that of a point beside the curve
+            else:  # The tangent was that of a point away from the curve.
                 aim, lost = _Aim(place.z, place.level), True
                 for _ in range(_RECENTRED):
                     aim = _corrected(curve, aim, curve.linear(aim.z))
@@ -141,7 +145,7 @@ def followed(system: System, start: Floats) -> Iterator[Place]:
 def _step(
     curve: _Curve, place: Place, length: float, tangent: _Tangent
 ) -> tuple[Place | None, float, int, _Tangent]:
-    """The next place, None where none is found; next length, factorisations, and the last one."""
+    """Return the next place or None, next length, number of factorisations, and last tangent."""
     move = np.exp(place.level) * tangent.slope
     change, onward = curve.system.changes(place.z, move), -tangent.linear.sign * curve.sign
     share = onward / float(np.hypot(np.linalg.norm(change.vector), 1.0))
@@ -166,7 +170,7 @@ def _step(
 
 
 def _corrected(curve: _Curve, aim: _Aim, tangent: _Tangent) -> _Aim:
-    """A Newton step across the direction of the curve; at the same theta where none is known."""
+    """Return a Newton step across the direction of the curve; at constant theta without one."""
     system, theta, rise = curve.system, np.exp(aim.level), 0.0
     move = theta * tangent.slope
     step = tangent.linear.solve(theta * curve.left - system.residual(aim.z))

@@ -7,7 +7,10 @@ from lacore.numerics.arrays import Sparse
 
 
 def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:
-    """Rows of both by point: `first_dim` rows of the first, then `second_dim` of the second."""
+    """Return the rows of both by point.
+
+    `first_dim` rows of the first, `second_dim` of the second.
+    """
     count = first.shape[0] // first_dim
     order = np.concatenate(
         [

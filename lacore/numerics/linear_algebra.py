@@ -1,7 +1,7 @@
-"""Sparse symmetric matrices of one pattern, formed and factorised again and again.
+"""Sparse symmetric matrices of one pattern, repeatedly formed and factorised.
 
-What second-order methods on the velocities spend their time on: ``K = sum_i R_i^T D_i R_i`` with
-small dense blocks D that change and rows R that do not, and the solution with K.
+Second-order methods on velocities spend most of their time here: ``K = sum_i R_i^T D_i R_i`` with
+small dense blocks D that change and constant rows R, and solutions with K.
 """
 
 from collections.abc import Sequence
@@ -16,20 +16,20 @@ from lacore.reporting.errors import LacoreError
 
 
 class SingularError(LacoreError):
-    """A matrix that cannot be factorised."""
+    """Raised for a matrix that cannot be factorised."""
 
 
 def require_numbers(entries: Floats) -> None:
-    """Raise `SingularError` where one is nan or infinite: no pivot is found among such."""
+    """Raise `SingularError` if an entry is NaN or infinite, as there would be no pivot."""
     if not np.isfinite(entries).all():
         raise SingularError("an entry of the matrix is no number")
 
 
 class Gram:
-    """``K = sum_i R_i^T D_i R_i``, always with the same pattern, whatever zeros D holds."""
+    """``K = sum_i R_i^T D_i R_i`` with a pattern that does not depend on zeros in D."""
 
     def __init__(self, rows: Sequence[Sparse], dims: Sequence[int]) -> None:
-        """Terms: rows R_i of shape (m_i dim_i, n), whose blocks have dim_i rows."""
+        """Store the rows R_i of shape (m_i dim_i, n), whose blocks have dim_i rows."""
         self._rows = csr_matrix(vstack(rows, format="csr"))
         self._columns = csr_matrix(self._rows.T)
         first, columns, lengths = 0, [], []
@@ -47,13 +47,13 @@ class Gram:
         self._keys = _keys(self._full)
 
     def matrix(self, blocks: Sequence[Floats]) -> Sparse:
-        """K for blocks of shape (m_i, dim_i, dim_i), symmetric."""
+        """Return K for symmetric blocks of shape (m_i, dim_i, dim_i)."""
         diagonal = self._blocks(np.concatenate([block.ravel() for block in blocks]))
         product = csr_matrix(self._columns @ csr_matrix(diagonal @ self._rows))
         product.sort_indices()
         if product.nnz == self._full.nnz:
             return product
-        # The product leaves out entries that happen to cancel: put them back, as zeros.
+        # The product leaves out entries that happen to cancel, so they are put back as zeros.
         data = np.zeros(self._full.nnz)
         data[np.searchsorted(self._keys, _keys(product))] = product.data
         return csr_matrix((data, self._full.indices, self._full.indptr), shape=product.shape)
@@ -64,13 +64,13 @@ class Gram:
 
 
 def _keys(matrix: Sparse) -> Ints:
-    """Row and column of each entry as one number, ascending where indices are sorted."""
+    """Return row and column of each entry as one number, ascending for sorted indices."""
     rows = np.repeat(np.arange(matrix.shape[0], dtype=np.int64), np.diff(matrix.indptr))
     return np.asarray(rows * matrix.shape[1] + matrix.indices)
 
 
 class SymmetricSolver(Protocol):
-    """Factorises symmetric positive definite matrices of one pattern, one after the other."""
+    """Solver that factorises symmetric positive definite matrices of one pattern in turn."""
 
     name: str
 
@@ -81,14 +81,14 @@ class SymmetricSolver(Protocol):
         """Take the upper triangle of one, with all of its diagonal; raises `SingularError`."""
 
     def solve(self, right: Floats) -> Floats:
-        """Solution for the matrix taken last, shape (n,); or several, shape (n, k)."""
+        """Return the solution for the last matrix, shape (n,), or several, shape (n, k)."""
 
     def close(self) -> None:
         """Give the factors back."""
 
 
 class SuperLU:
-    """SuperLU in symmetric mode, from SciPy: always there."""
+    """SuperLU in symmetric mode, from SciPy, which is always installed."""
 
     name = "SuperLU"
 
@@ -96,7 +96,7 @@ class SuperLU:
         self._factor: Any = None
 
     def factorise(self, matrix: Sparse) -> None:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         require_numbers(matrix.data)
         symmetric = csc_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
         try:
@@ -110,15 +110,15 @@ class SuperLU:
             raise SingularError(f"SuperLU: {error}") from error
 
     def factorise_upper(self, matrix: Sparse) -> None:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         full = csr_matrix(matrix + triu(matrix, 1).T)
         full.sort_indices()
         self.factorise(full)
 
     def solve(self, right: Floats) -> Floats:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         return np.asarray(self._factor.solve(right))
 
     def close(self) -> None:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         self._factor = None

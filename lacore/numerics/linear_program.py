@@ -1,4 +1,4 @@
-"""Linear programs of proofs, by the vertex method of HiGHS: exact zeros, whatever the scales."""
+"""Linear programs of proofs, by the vertex method of HiGHS, with exact zeros at any scale."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from scipy.sparse import csr_matrix
 
 from lacore.numerics.arrays import Floats, Sparse
 
-_SHARP = 1e-10  # of rows and reduced costs: the least that HiGHS takes
+_SHARP = 1e-10  # tolerance of rows and reduced costs: the smallest of HiGHS
 _SECONDS = 60.0
 
 
@@ -19,13 +19,16 @@ def least(
     lower: Floats,
     upper: Floats,
 ) -> Floats | None:
-    """``min cost.x`` subject to ``A x <= b``, ``E x = d``, ``lower <= x <= upper``; None without.
+    """Minimise ``cost.x`` subject to ``A x <= b``, ``E x = d``, ``lower <= x <= upper``.
 
     Args:
         cost: shape (n,).
         at_most: A and b.
         equal: E and d.
         lower, upper: shape (n,), may be infinite.
+
+    Returns:
+        The solution x, or None without one.
     """
     (over, most), (even, value) = at_most, equal
     given: dict[str, Any] = {
@@ -40,7 +43,7 @@ def least(
             "time_limit": _SECONDS,
         },
     }
-    # Here: it takes a third of a second to load, and most problems need no such proof.
+    # Import it here, because it takes a third of a second to load and few problems need it.
     from scipy.optimize import linprog
 
     found = linprog(cost, method="highs", **given)

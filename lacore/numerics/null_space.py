@@ -1,4 +1,4 @@
-"""Null spaces whose bases keep zeros: some of the unknowns, and what follows them."""
+"""Null spaces with sparse bases: some of the unknowns, and those that depend on them."""
 
 import numpy as np
 import scipy.linalg
@@ -7,14 +7,14 @@ from scipy.sparse.csgraph import connected_components
 
 from lacore.numerics.arrays import Floats, Sparse
 
-_DEPENDENT = 1e-9  # a sine: far above round-off, far below any angle that is meant
-_ROUND_OFF = 1e-13  # of an entry of order one
+_DEPENDENT = 1e-9  # sine far above round-off and far below any intended angle
+_ROUND_OFF = 1e-13  # by an entry of order one
 
 
 def null_space(conditions: Floats) -> Floats:
-    """Basis of the x with ``conditions x = 0``, (n, free): some of the x, and what follows them.
+    """Return a basis of the x with ``conditions x = 0``, (n, free), in some of the x.
 
-    Unlike an orthonormal basis it keeps the zeros: a beam that moves sideways is one unknown.
+    Unlike an orthonormal basis it is sparse: a beam that moves sideways is one unknown.
     """
     n = conditions.shape[1]
     if not n:
@@ -31,7 +31,7 @@ def null_space(conditions: Floats) -> Floats:
 
 
 def null_space_by_parts(conditions: Sparse) -> Sparse:
-    """The same of sparse conditions, (n, free), part by part of what they connect."""
+    """Return a basis for sparse conditions, (n, free), by connected parts."""
     linked = csr_matrix(abs(conditions).T @ abs(conditions))
     count, part = connected_components(linked, directed=False)
     touched = linked.diagonal() > 0

@@ -1,4 +1,4 @@
-"""Intel MKL PARDISO, of the extra ``fast``: ImportError where that is not installed."""
+"""Intel MKL PARDISO, of the extra ``fast``; raises ImportError if it is not installed."""
 
 import ctypes
 import os
@@ -13,11 +13,11 @@ import numpy as np
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError, require_numbers
 
-_PLACES = ("lib/libmkl_rt*", "Library/bin/mkl_rt*")  # of MKL as its wheel installs it
+_PLACES = ("lib/libmkl_rt*", "Library/bin/mkl_rt*")  # places of MKL in its wheel
 
 
 def _locate_library() -> None:
-    """Tell pypardiso where MKL is: it would search every folder of the environment."""
+    """Set the path of MKL, because pypardiso would search every folder of the environment."""
     found = [file for place in _PLACES for file in Path(sys.prefix).glob(place)]
     if len(found) == 1:
         os.environ.setdefault("PYPARDISO_MKL_RT", str(found[0]))
@@ -28,8 +28,8 @@ import pypardiso  # noqa: E402
 
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
-_OWN_SETTINGS = 1  # all others 0: no refinement, order by minimum degree
-_PHASE, _SIDES = 2, 4  # which of the numbers it is called with
+_OWN_SETTINGS = 1  # others are 0: no refinement, minimum-degree ordering
+_PHASE, _SIDES = 2, 4  # places of these arguments of its call
 _SMALLEST, _BY_TWO = 13, 1  # pivots, as a power of ten; and those of two rows
 
 
@@ -39,9 +39,11 @@ class Pardiso:
     name = "PARDISO"
 
     def __init__(self, refined: bool = True, definite: bool = True) -> None:
-        """Solutions are refined twice, which triples their time; or not, by whoever does it.
+        """Prepare the solver.
 
-        Not definite, a matrix is factorised with pivots that may have either sign.
+        Args:
+            refined: solutions are refined twice, which triples their time; else the caller does it.
+            definite: matrices are positive definite; else pivots may have either sign.
         """
         self._solver = copy(_loaded())
         self._solver.pt = np.zeros_like(self._solver.pt)
@@ -54,7 +56,7 @@ class Pardiso:
         self._upper: Any = None  # which entries of the matrix are in its upper triangle
 
     def factorise(self, matrix: Sparse) -> None:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         if not self._knows(matrix):
             row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
             self._upper = np.flatnonzero(matrix.indices >= row)
@@ -63,23 +65,23 @@ class Pardiso:
         self._factorise(matrix.data[self._upper])
 
     def factorise_upper(self, matrix: Sparse) -> None:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         if not self._knows(matrix):
             self._upper = slice(None)
             self._analyse(matrix, matrix.indptr, matrix.indices)
         self._factorise(matrix.data)
 
     def solve(self, right: Floats) -> Floats:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         return self._call(_SOLVE, np.asfortranarray(right, dtype=float))
 
     def close(self) -> None:
-        """See `SymmetricSolver`."""
+        """Implement `SymmetricSolver`."""
         self._solver.free_memory(everything=True)
         self._pattern = None
 
     def _knows(self, matrix: Sparse) -> bool:
-        """Whether it has the pattern of the last."""
+        """Return whether the matrix has the pattern of the last one."""
         return self._pattern is not None and (
             np.array_equal(self._pattern[0], matrix.indptr)
             and np.array_equal(self._pattern[1], matrix.indices)
@@ -96,7 +98,7 @@ class Pardiso:
         self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
 
     def _address(self, size: int) -> None:
-        """Where all that stays is, looked up once: it takes as long as a small solution."""
+        """Look up constant addresses once, as this takes as long as a small solution."""
         own = self._solver
         # One, the kind of matrix, the phase, the size, right-hand sides, no messages, the error.
         self._numbers = np.array([1, own.mtype, _ANALYSE, size, 1, 0, 0], dtype=np.int32)
@@ -112,18 +114,19 @@ class Pardiso:
         )
 
     def _factorise(self, data: Floats) -> None:
-        require_numbers(data)  # with pivots of both signs it writes beside its memory else
+        # With pivots of both signs NaN would make it write outside its memory.
+        require_numbers(data)
         self._data[:] = data
         self._call(_FACTORISE, np.zeros(self._starts.size - 1))
 
     def _call(self, phase: int, right: Floats) -> Floats:
-        # The methods of pypardiso analyse anew with every matrix, which takes ten factorisations,
-        # and turn the pattern into 32 bits with every solution.
+        # The methods of pypardiso analyse every matrix again, which takes ten factorisations, and
+        # convert the pattern to 32 bits for every solution.
         own, found = self._solver, np.zeros_like(right)
         self._numbers[_PHASE] = phase
         self._numbers[_SIDES] = 1 if right.ndim == 1 else right.shape[1]
-        # On two threads it takes as long by the clock, and twice the processor time; and sums in
-        # an order that depends on how many there are.
+        # With two threads it takes the same time and twice the processor time, and the order of
+        # sums depends on their number.
         threads = own.libmkl.MKL_Set_Num_Threads_Local(1)
         _by_address()(*self._addresses, right.ctypes.data, found.ctypes.data, self._error)
         own.libmkl.MKL_Set_Num_Threads_Local(threads)
@@ -134,7 +137,7 @@ class Pardiso:
 
 @cache
 def _by_address() -> Any:
-    """PARDISO, which takes all by address: pointers of types take as long as a small solution."""
+    """Return PARDISO with untyped pointers, since typed ones take as long as a small solution."""
     function = _loaded().libmkl["pardiso"]
     function.argtypes, function.restype = [ctypes.c_void_p] * 16, None
     return function
@@ -142,5 +145,5 @@ def _by_address() -> Any:
 
 @cache
 def _loaded() -> Any:
-    """A solver that is never used: looking for the library takes longer than a small solve."""
+    """Return a solver that is never used: finding the library takes longer than a small solve."""
     return pypardiso.PyPardisoSolver(mtype=_POSITIVE_DEFINITE)

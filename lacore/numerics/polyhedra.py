@@ -1,8 +1,8 @@
-"""Nearest points, corners and edges of small polyhedra, of each of many its own.
+"""Nearest points, corners and edges of small polyhedra, for many points with one each.
 
-At the nearest point of ``normals x <= bounds`` what is left is a sum of the normals of planes that
-meet there, each with a share >= 0. Planes and unknowns are few, so that subsets are tried in turn,
-of all points at once that have not found theirs: the answer is exact, whatever the angles.
+At the nearest point of ``normals x <= bounds`` the residual is a sum of the normals of planes that
+meet there, with non-negative shares. Planes and unknowns are few, so subsets are tried in turn for
+all remaining points at once. The result is exact for any angles.
 """
 
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ import numpy as np
 
 from lacore.numerics.arrays import Bools, Floats
 
-_PARALLEL = 1e-7  # sine of the angle between planes below which they have no edge in common
+_PARALLEL = 1e-7  # sine of the angle between planes below which they have no common edge
 _SINGULAR = 1e-9  # determinant of unit normals below which planes do not meet in a point
-_ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
-_ROUND_OFF = 4 * float(np.finfo(float).eps)  # of the sizes of the terms
+_ON = 1e-9  # distance, by the sizes of the terms, of a point that lies on a plane
+_ROUND_OFF = 4 * float(np.finfo(float).eps)  # by the sizes of the terms
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Nearest:
     """Nearest points of polyhedra.
 
     Attributes:
-        points: themselves, shape (m, n).
-        along: their derivatives by the points given, shape (m, n, n): the orthogonal projections
-            onto the faces that they are on.
+        points: the points, shape (m, n).
+        along: their derivatives by the given points, shape (m, n, n): the orthogonal projections
+            onto their faces.
     """
 
     points: Floats
@@ -33,7 +33,7 @@ class Nearest:
 
 
 def nearest(normals: Floats, bounds: Floats, points: Floats) -> Nearest:
-    """The points of ``normals x <= bounds`` nearest to given ones.
+    """Return the points of ``normals x <= bounds`` nearest to given ones.
 
     Args:
         normals: none of them 0, shape (m, k, n).
@@ -68,12 +68,12 @@ def nearest(normals: Floats, bounds: Floats, points: Floats) -> Nearest:
 
 
 def corners(normals: Floats, bounds: Floats, felt: Bools) -> tuple[Floats, Bools]:
-    """Points in which planes meet, and which of them are corners of ``normals x <= bounds``.
+    """Return the points in which planes meet, and which are corners of ``normals x <= bounds``.
 
     Args:
         normals: shape (m, k, n).
         bounds: shape (m, k).
-        felt: which coordinates normals have at all, shape (n,); the others are 0.
+        felt: which coordinates of the normals may be nonzero, shape (n,).
 
     Returns:
         For each choice of planes: points of shape (m, v, n), and whether they are corners, (m, v).
@@ -99,10 +99,10 @@ def corners(normals: Floats, bounds: Floats, felt: Bools) -> tuple[Floats, Bools
 
 
 def far_edges(normals: Floats) -> Floats:
-    """Directions in which ``normals x <= bounds`` has no end along an edge, or zeros.
+    """Return the directions of unbounded edges of ``normals x <= bounds``, or zeros.
 
-    The largest of all coordinates but the first is 1; shape (m, e, n), e at least 1: what is zero
-    for all is left out, and what is another one for all.
+    The largest of all coordinates except the first is 1. The shape is (m, e, n), with e at least 1:
+    directions that are zero for all, or duplicates for all, are left out.
     """
     size = normals.shape[2]
     found = []
@@ -122,7 +122,7 @@ def far_edges(normals: Floats) -> Floats:
 
 
 def _across(rows: Floats) -> Floats:
-    """The vector that n - 1 rows of n components leave, zero where they depend, shape (m, n)."""
+    """Return the vector orthogonal to n - 1 rows, zero if they are dependent, shape (m, n)."""
     size = rows.shape[2]
     minors = [(-1) ** j * np.linalg.det(np.delete(rows, j, axis=2)) for j in range(size)]
     return np.stack(minors, axis=1)

@@ -1,4 +1,4 @@
-"""Programs that nobody can change: read-only arrays, and a digest that shows a change."""
+"""Programs that cannot be changed: read-only arrays, and a digest that detects changes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _INDEX_ARRAYS = ("data", "indices", "indptr")
 
 
 def _parts_of(value: object, name: str) -> Iterator[tuple[str, object]]:
-    """Names and values of what a dataclass or a tuple holds."""
+    """Yield the names and values in a dataclass or a tuple."""
     if isinstance(value, tuple):
         yield from ((f"{name}[{number}]", part) for number, part in enumerate(value))
     elif is_dataclass(value) and not isinstance(value, type):
@@ -30,7 +30,7 @@ def _matrices_of(value: object) -> Iterator[object]:
 
 
 def arrays_of(value: object, name: str = "program") -> Iterator[tuple[str, npt.NDArray[Any]]]:
-    """Names and arrays of a dataclass and all of its parts, those of sparse matrices too."""
+    """Yield the names and arrays of a dataclass and its parts, including sparse matrices."""
     if isinstance(value, np.ndarray):
         yield name, value
     elif issparse(value):
@@ -44,7 +44,7 @@ def arrays_of(value: object, name: str = "program") -> Iterator[tuple[str, npt.N
 def make_read_only(value: object) -> None:
     """Let no array of a dataclass be written to; rows of sparse matrices are sorted before."""
     for matrix in _matrices_of(value):
-        # SciPy sorts rows in place when it first needs them so, which it could not do later.
+        # SciPy sorts rows in place when it first needs it, which it could not do later.
         if isinstance(matrix, csr_matrix) and not matrix.has_canonical_format:
             matrix.sum_duplicates()
     for _, array in arrays_of(value):
@@ -52,7 +52,7 @@ def make_read_only(value: object) -> None:
 
 
 def digests(value: object, name: str = "program") -> dict[str, str]:
-    """A digest of each array of a dataclass, by its name."""
+    """Return a digest of each array of a dataclass, by its name."""
     return {
         own: blake2b(np.ascontiguousarray(array).data, digest_size=16).hexdigest()
         for own, array in arrays_of(value, name)
@@ -60,6 +60,6 @@ def digests(value: object, name: str = "program") -> dict[str, str]:
 
 
 def changed(before: dict[str, str], value: object, name: str = "program") -> list[str]:
-    """Names of the arrays whose digests differ from those taken before."""
+    """Return the names of the arrays whose digests have changed."""
     now = digests(value, name)
     return sorted(own for own in before.keys() | now.keys() if before.get(own) != now.get(own))

@@ -1,8 +1,8 @@
-"""Second-order cones ``x_0 >= ||x_1||`` and what interior-point methods do in them.
+"""Second-order cones ``x_0 >= ||x_1||`` and their operations in interior-point methods.
 
-Points are arrays of shape (..., c), a cone each; a cone of one component is a half-line. All of it
-is the algebra of Andersen, Roos & Terlaky (Math. Program. 95, 2003), as L. Vandenberghe writes it
-down in "The CVXOPT linear and quadratic cone program solvers" (2010).
+Points are arrays of shape (..., c), one cone each; a cone of one component is a half-line. The
+algebra is that of Andersen, Roos & Terlaky (Math. Program. 95, 2003), in the form of L.
+Vandenberghe, "The CVXOPT linear and quadratic cone program solvers" (2010).
 """
 
 from dataclasses import dataclass
@@ -13,33 +13,36 @@ from lacore.numerics.arrays import Floats
 
 
 def determinant(x: Floats) -> Floats:
-    """``x_0^2 - ||x_1||^2`` without cancellation, shape (...): positive inside, where x_0 is."""
+    """Return ``x_0^2 - ||x_1||^2`` without cancellation, shape (...).
+
+    It is positive inside, where x_0 is positive.
+    """
     length = np.linalg.norm(x[..., 1:], axis=-1)
     return np.asarray((x[..., 0] - length) * (x[..., 0] + length))
 
 
 def outside(x: Floats) -> float:
-    """``||x_1|| - x_0`` of the outermost point; -inf of none."""
+    """Return ``||x_1|| - x_0`` of the outermost point; -inf without points."""
     out = np.linalg.norm(x[..., 1:], axis=-1) - x[..., 0]
     return float(np.max(out, initial=-np.inf))
 
 
 def product(x: Floats, y: Floats) -> Floats:
-    """``x o y = (x.y, x_0 y_1 + y_0 x_1)``, of the shape of both."""
+    """Return ``x o y = (x.y, x_0 y_1 + y_0 x_1)``, of the shape of both."""
     found = x[..., :1] * y + y[..., :1] * x
     found[..., 0] = np.sum(x * y, axis=-1)
     return np.asarray(found)
 
 
 def quotient(x: Floats, y: Floats) -> Floats:
-    """The point q with ``x o q = y``, x inside."""
+    """Return the point q with ``x o q = y``, x inside."""
     first = (x[..., 0] * y[..., 0] - np.sum(x[..., 1:] * y[..., 1:], axis=-1)) / determinant(x)
     rest = (y[..., 1:] - first[..., None] * x[..., 1:]) / x[..., :1]
     return np.concatenate([first[..., None], rest], axis=-1)
 
 
 def farthest(x: Floats, change: Floats) -> float:
-    """Largest step along a change that stays in all cones, x inside; inf where all do."""
+    """Return the largest step along a change that stays in all cones; inf if there is no limit."""
     size = np.sqrt(determinant(x))[..., None]
     unit, rate = x / size, change / size
     along = unit[..., 0] * rate[..., 0] - np.sum(unit[..., 1:] * rate[..., 1:], axis=-1)
@@ -51,7 +54,7 @@ def farthest(x: Floats, change: Floats) -> float:
 
 @dataclass(frozen=True)
 class Scaling:
-    """The symmetric map W of Nesterov & Todd between two inner points: ``W z = W^-1 s``.
+    """Symmetric map W of Nesterov & Todd between two interior points: ``W z = W^-1 s``.
 
     Attributes:
         inverse: W^-1, shape (..., c, c).
@@ -65,7 +68,7 @@ class Scaling:
 
     @classmethod
     def between(cls, s: Floats, z: Floats) -> "Scaling":
-        """That of points s and z, inside."""
+        """Return the scaling of interior points s and z."""
         s_size, z_size = np.sqrt(determinant(s)), np.sqrt(determinant(z))
         unit, other = s / s_size[..., None], z / z_size[..., None]
         mirror = _mirror(s)
@@ -80,13 +83,13 @@ class Scaling:
 
     @classmethod
     def none(cls, of: Floats) -> "Scaling":
-        """The identity, of cones as those of points."""
+        """Return the identity for cones like those of points."""
         size = of.shape[-1]
         every = np.broadcast_to(np.eye(size), (*of.shape, size))
         return cls(every, np.ones(of.shape[:-1]), np.zeros_like(of))
 
     def times(self, z: Floats) -> Floats:
-        """``W z``, of the shape of z."""
+        """Return ``W z``, of the shape of z."""
         mirror = _mirror(z)
         return self.stretch[..., None] * mirror * applied(self.inverse, mirror * z)
 
@@ -96,5 +99,5 @@ def _mirror(of: Floats) -> Floats:
 
 
 def applied(matrices: Floats, x: Floats) -> Floats:
-    """Products of matrices, shape (..., r, c), with points, shape (..., c): shape (..., r)."""
+    """Return the products of matrices, shape (..., r, c), and points, (..., c): shape (..., r)."""
     return np.asarray((matrices @ x[..., None])[..., 0])

@@ -1,4 +1,4 @@
-"""Which solver factorises symmetric matrices: the best that is installed."""
+"""Choice of the solver of symmetric matrices: the fastest one that is installed."""
 
 from collections.abc import Callable
 from functools import cache
@@ -6,14 +6,14 @@ from functools import cache
 from lacore.numerics.arrays import Sparse
 from lacore.numerics.linear_algebra import SingularError, SuperLU, SymmetricSolver
 
-_LARGE = 20_000  # rows from which half of the time is worth loading MKL: docs/design-decisions.md
+_LARGE = 20_000  # number of rows from which loading MKL pays: docs/design-decisions.md
 
 
 def symmetric_solver(refined: bool = True, definite: bool = True) -> SymmetricSolver:
-    """The best solver installed: PARDISO (extra ``fast``), else SuperLU.
+    """Return the best installed solver: PARDISO (extra ``fast``), else SuperLU.
 
     Args:
-        refined: solutions are refined where the solver can; else whoever asks for them does it.
+        refined: solutions are refined if the solver can; else the caller does it.
         definite: matrices are positive definite; else they have pivots of both signs, none zero.
     """
     fast = fast_solver()
@@ -21,10 +21,10 @@ def symmetric_solver(refined: bool = True, definite: bool = True) -> SymmetricSo
 
 
 def factorised(matrix: Sparse) -> SymmetricSolver:
-    """Factors of one positive definite matrix with sorted indices, to be closed.
+    """Return the factors of one positive definite matrix with sorted indices, to be closed.
 
-    By SuperLU, which is there at once; of a large matrix by the best solver installed, unless that
-    finds it singular.
+    SuperLU is used, as it is loaded at once; for a large matrix the best installed solver, unless
+    that finds it singular.
 
     Raises:
         SingularError: it cannot be factorised.
@@ -44,10 +44,11 @@ def factorised(matrix: Sparse) -> SymmetricSolver:
 
 @cache
 def fast_solver() -> Callable[[bool, bool], SymmetricSolver] | None:
-    """PARDISO where it is installed, else None."""
+    """Return PARDISO if it is installed, else None."""
     try:
-        # Here: MKL takes half a second to load, and only second-order methods have a use for it.
+        # Import it here, because MKL takes half a second to load and only second-order methods use
+        # it.
         from lacore.numerics.pardiso import Pardiso
-    except ImportError:  # an extra
+    except ImportError:  # an optional dependency
         return None
     return Pardiso

@@ -1,4 +1,4 @@
-"""Linear algebra on one thread each, where several problems are solved at a time."""
+"""Linear algebra with one thread per caller, when several problems are solved at a time."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +15,7 @@ Result = TypeVar("Result")
 
 
 class _Shared:
-    """A limit that many enter and leave, in any order."""
+    """Limit that several callers enter and leave in any order."""
 
     def __init__(self) -> None:
         self._lock, self._inside = Lock(), 0
@@ -39,14 +39,14 @@ class _Shared:
                 self._limit.restore_original_limits()
 
 
-_OF_THE_PROCESS = _Shared()  # as the number of threads is
+_OF_THE_PROCESS = _Shared()  # The number of threads belongs to the process.
 
 
 def one_thread_each() -> AbstractContextManager[None]:
-    """While it is entered, BLAS takes one thread a caller: more would wait for each other.
+    """Limit BLAS to one thread per caller, since more would wait for each other.
 
-    Of the whole process: the last of all that are within gives back as many threads as there were
-    when the first came.
+    The limit applies to the whole process. The last caller that leaves it restores the number of
+    threads that the first one found.
     """
     return _OF_THE_PROCESS
 
@@ -67,5 +67,8 @@ def each(work: Callable[[Item], Result], items: Sequence[Item], threads: int) ->
 
 @cache
 def _controller() -> ThreadpoolController:
-    """Of what is loaded: looking for it takes as long as a small solve."""
+    """Return the controller of the loaded libraries.
+
+    Finding them takes as long as a small solve.
+    """
     return ThreadpoolController()

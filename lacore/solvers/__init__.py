@@ -1,1 +1,1 @@
-"""The contract with backends, their registry and processes, and the solution of one program."""
+"""Contract with backends, their registry and processes, and the solution of one program."""

@@ -1,4 +1,4 @@
-"""What the author of a backend imports: the contract with solvers, and the registry of backends."""
+"""Names for authors of backends: the contract with solvers, and the registry of backends."""
 
 from lacore.solvers.contract import (
     TRUE_GAP,

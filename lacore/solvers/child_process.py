@@ -1,9 +1,9 @@
-"""A separate interpreter that can be stopped: hanging, crashing and dying become a status.
+"""A separate interpreter that can be stopped: a hang, a crash or an exit becomes a status.
 
 The process is a plain interpreter that reads pickled requests from its standard input and writes
 its answers to its standard output; it starts no `multiprocessing`, so that callers need no guarded
-main module. A `Codec` says how answers are written: pickled ones come only from code of lacore,
-since reading them may run anything.
+main module. A `Codec` writes and reads answers. Pickled answers come only from code of lacore,
+since reading them may run any code.
 """
 
 import ctypes
@@ -28,18 +28,18 @@ from typing import IO, Any, Protocol, Self
 from lacore.reporting.status import Status
 from lacore.solvers.process_log import ProcessLog
 
-GRACE = 2.0  # s that work gets beyond its limit to come back by itself
+GRACE = 2.0  # s that work may take beyond its limit before it is stopped
 START = 60.0  # s, for the interpreter and its imports
-LONGEST = threading.TIMEOUT_MAX / 2  # s that a timer can count
+LONGEST = threading.TIMEOUT_MAX / 2  # longest time of a timer, s
 _SERVE = "from lacore.solvers.child_process import serve; serve({!r}, {!r})"
 ENDED = "process ended"
 """Native status of a solve in which the process of the backend ended."""
-_LINES = 1  # _IOLBF of the library of C
-_LENGTH = 8  # bytes, of the number before each message that says how long it is
+_LINES = 1  # _IOLBF of the C library
+_LENGTH = 8  # bytes of the length before each message
 
 
 class LostError(Exception):
-    """The process is gone; `status`, `native` and the text say how."""
+    """The process has ended; `status`, `native` and the text describe how."""
 
     def __init__(self, status: Status, native: str, message: str) -> None:
         self.status, self.native = status, native
@@ -47,7 +47,7 @@ class LostError(Exception):
 
 
 class Codec(Protocol):
-    """How answers and errors of the other side are written and read."""
+    """Writes and reads the answers and errors of the other side."""
 
     def answer(self, value: Any) -> bytes:
         """Encode what a method returned."""
@@ -60,23 +60,23 @@ class Codec(Protocol):
 
 
 class Pickled:
-    """Answers of any kind, from code that is trusted."""
+    """Codec for answers of any kind from trusted code."""
 
     def answer(self, value: Any) -> bytes:
-        """As `Codec.answer`."""
+        """Encode what a method returned, see `Codec.answer`."""
         return pickle.dumps((value, None))
 
     def error(self, error: Exception) -> bytes:
-        """As `Codec.error`; an exception that cannot be pickled is sent as text."""
+        """Encode what a method raised; an exception that cannot be pickled is sent as text."""
         try:
             sent = pickle.dumps((None, error))
             pickle.loads(sent)
-        except Exception:  # an exception with arguments of its own may not survive the way
+        except Exception:  # Exceptions with additional arguments may fail to be read.
             return pickle.dumps((None, RuntimeError(f"{type(error).__name__}: {error}")))
         return sent
 
     def read(self, message: bytes) -> Any:
-        """As `Codec.read`."""
+        """Decode an answer or raise the error, see `Codec.read`."""
         value, error = pickle.loads(message)
         if error is not None:
             raise error
@@ -84,16 +84,16 @@ class Pickled:
 
 
 class ChildProcess:
-    """An interpreter that answers requests one after the other; started again when one kills it.
+    """Interpreter that answers requests one after the other, and restarts after a crash.
 
     A context manager: leaving it stops the process. For one thread at a time.
 
     Args:
-        worker: ``module:Class`` of the other side. A request is the name of a method, and its
+        worker: ``module:Class`` of the other side. A request is the name of a method with its
             arguments.
         environment: Variables in addition to those of this process.
         codec: ``module:Class`` of the `Codec` of its answers.
-        log: Keeps what the process prints; None: it prints where this process does.
+        log: Keeps the output of the process; None: it prints to the streams of this process.
     """
 
     def __init__(
@@ -112,11 +112,13 @@ class ChildProcess:
 
     @property
     def running(self) -> bool:
-        """Whether there is a process, with all that it was told."""
+        """Whether the process is running, with all the data it has received."""
         return self._process is not None
 
     def ask(self, limit: float, *request: Any) -> Any:
-        """Answer to a request within `limit` seconds; exceptions of the other side are raised.
+        """Return the answer to a request within `limit` seconds.
+
+        Exceptions of the process are raised.
 
         Raises:
             LostError: it took longer and was killed, or it ended.
@@ -135,7 +137,7 @@ class ChildProcess:
             _kill(process)
 
         timer = threading.Timer(limit, stop)
-        timer.daemon = True  # interrupted while it starts, it must not hold up the end
+        timer.daemon = True  # If the start is interrupted, the timer must not delay the exit.
         sent = b""
         try:
             timer.start()
@@ -143,13 +145,14 @@ class ChildProcess:
             sent = _receive(process.stdout)
         except (OSError, EOFError):
             pass
-        except BaseException:  # interrupted between request and answer: out of step
+        # An interruption between request and answer leaves the process out of step.
+        except BaseException:
             self.close()
             raise
         finally:
             timer.cancel()
             if timer.is_alive():
-                timer.join()  # it may be at work at this very moment
+                timer.join()  # The timer may be running at this very moment.
         if late.is_set() or not sent:
             raise self._lost(late.is_set(), limit)
         return self._codec.read(sent)
@@ -164,20 +167,21 @@ class ChildProcess:
                 stdout=subprocess.PIPE,
                 stderr=log,
                 env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
-                start_new_session=True,  # what it starts ends with it; Ctrl-C comes here only
+                # Its own children end with it, and Ctrl-C reaches only this process.
+                start_new_session=True,
             )
         finally:
             if log is not None:
                 os.close(log)
-        self._end = weakref.finalize(self, _end, self._process)  # also as the interpreter ends
-        if self._killed:  # while it started
+        self._end = weakref.finalize(self, _end, self._process)  # also when the interpreter ends
+        if self._killed:  # during the start
             _kill(self._process)
         self.ask(START, "")
 
     def _lost(self, late: bool, limit: float) -> LostError:
         assert self._process is not None
         process = self._process
-        if not late:  # one that ends in good order closes its pipes before
+        if not late:  # A process that ends normally closes its pipes first.
             with suppress(subprocess.TimeoutExpired):
                 process.wait(GRACE)
         self.close()
@@ -193,7 +197,7 @@ class ChildProcess:
         return LostError(Status.FAILED, ENDED, f"its process ended by itself ({how})")
 
     def kill(self) -> None:
-        """Stop for good, from any thread: the one that waits for an answer learns of it."""
+        """Stop for good, from any thread; a thread that waits for an answer is notified."""
         self._killed = True
         process = self._process
         if process is not None:
@@ -220,9 +224,9 @@ class ChildProcess:
 def serve(worker_name: str, codec_name: str) -> None:
     """Answer requests, on the other side, until standard input ends.
 
-    Work reads nothing, and what it prints goes to standard error.
+    The methods cannot read it, and their output goes to standard error.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the caller stops this process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # The caller stops this process.
     requests, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 0)
@@ -236,15 +240,15 @@ def serve(worker_name: str, codec_name: str) -> None:
     while True:
         try:
             limit, kind, *arguments = pickle.loads(inbox.get())
-            # Should the caller die, and the solver hold the interpreter so that `_read_all` does
-            # not notice: this watch needs no interpreter.
+            # If the caller dies while the solver holds the interpreter lock, `_read_all` does not
+            # notice it; this watchdog needs no interpreter.
             faulthandler.dump_traceback_later(limit + GRACE, exit=True, file=nowhere)
             if worker is None:
                 worker = resolve_name(worker_name)()
             answer = codec.answer(getattr(worker, kind)(*arguments) if kind else None)
-        except Exception as error:  # the caller's to handle
+        except Exception as error:  # The caller handles it.
             answer = _sent(codec, error)
-        if os.getpid() != me:  # a copy that the work has forked must not answer, too
+        if os.getpid() != me:  # A forked copy must not answer as well.
             os._exit(0)
         faulthandler.cancel_dump_traceback_later()
         _send(answers, answer)
@@ -255,14 +259,14 @@ def _print_at_once() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(line_buffering=True)
-    with suppress(Exception):  # where the library of C has another form, lines may be lost
+    with suppress(Exception):  # If the C library has a different form, lines may be lost.
         library = ctypes.CDLL(None)
         for name in ("stdout", "stderr"):
             library.setvbuf(ctypes.c_void_p.in_dll(library, name), None, _LINES, 0)
 
 
 def _read_all(requests: IO[bytes], inbox: SimpleQueue[bytes]) -> None:
-    """Pass requests on; end the process when there is nobody left to answer, also amid a solve."""
+    """Pass requests on, and end the process when the caller is gone, also during a solve."""
     with suppress(EOFError, OSError):
         while True:
             inbox.put(_receive(requests))
@@ -279,9 +283,9 @@ def _send(pipe: IO[bytes], message: bytes) -> None:
 
 @contextmanager
 def _unsignalled() -> Iterator[None]:
-    """Nobody reads a pipe any more: an exception, also where the signal would end this process.
+    """Raise an exception if a pipe is closed, even where the signal would end this process.
 
-    Python ignores that signal, but libraries of the caller may have set it back, as gmsh does.
+    Python ignores that signal, but libraries of the caller, such as gmsh, may have restored it.
     """
     if sys.platform == "win32":
         yield
@@ -297,7 +301,7 @@ def _unsignalled() -> Iterator[None]:
 
 
 def _receive(pipe: IO[bytes]) -> bytes:
-    """The next message; raises `EOFError` where there is none, or half of one."""
+    """Return the next message; raises `EOFError` if there is none, or half of one."""
     head = pipe.read(_LENGTH)
     length = int.from_bytes(head, "little")
     message = pipe.read(length) if len(head) == _LENGTH else b""
@@ -312,12 +316,12 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     process.wait()
     for pipe in (process.stdin, process.stdout):
         assert pipe is not None
-        with suppress(BrokenPipeError), _unsignalled():  # of what was not read any more
+        with suppress(BrokenPipeError), _unsignalled():  # data that was not read
             pipe.close()
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    """Stop a process and what it has started."""
+    """Stop a process and its children."""
     _kill_group(process.pid)
     process.kill()
 
@@ -340,7 +344,7 @@ def forget_peak_memory() -> None:
 
 
 def peak_memory() -> float:
-    """Peak resident memory since the last `forget_peak_memory`, MB; NaN where nobody counts."""
+    """Return the peak resident memory since `forget_peak_memory`, MB; NaN where it is unknown."""
     try:
         lines = Path("/proc/self/status").read_text().splitlines()
     except OSError:

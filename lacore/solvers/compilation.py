@@ -1,7 +1,7 @@
-"""The time of a solve without that of starting and compiling its backend.
+"""Time of a solve without starting and compiling its backend.
 
-A backend may compile at any time, in this process or in its own. Clocks of the same thread stand
-still meanwhile.
+A backend may compile at any time, in this process or in its own. Clocks of the same thread are
+stopped meanwhile.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 
 class _Compilation(threading.local):
-    """Seconds that a thread has spent on it so far."""
+    """Seconds that a thread has spent on compilation."""
 
     seconds = 0.0
 
@@ -32,7 +32,7 @@ def compiling() -> Iterator[None]:
 
 
 class SolveClock:
-    """A clock that starts when it is made and stands still while a backend compiles."""
+    """Clock that starts when it is made and is stopped while a backend compiles."""
 
     def __init__(self) -> None:
         self._begin, self._before = time.perf_counter(), _COMPILATION.seconds
@@ -49,10 +49,10 @@ class SolveClock:
 
 
 def started(compile_time: float) -> dict[str, str]:
-    """Return the line of a result about starting and compiling its backend; none if it was ready.
+    """Return a line on the start and compilation of a backend; empty if it was ready.
 
     Args:
-        compile_time: Of the result, s.
+        compile_time: Time of the result, s.
     """
     return (
         {"start": f"{compile_time:.3g} s to start and compile the backend"} if compile_time else {}

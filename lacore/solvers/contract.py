@@ -1,8 +1,8 @@
-"""The backend protocol: what a solver provides, and how its answers are checked.
+"""Backend protocol: methods of a solver, and checks of its answers.
 
 A backend prepares a dimensionless `KinematicProgram` once and then solves it for each
-`FrozenContact` that the coupling loop gives it. It is registered under its name in the entry-point
-group ``lacore.backends``; docs/backends.md shows how to write one.
+`FrozenContact` of the coupling loop. It is registered under its name in the entry-point group
+``lacore.backends``; docs/backends.md shows how to write one.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ REPORTED = (
 """Statuses of one solve; the others are those of the whole computation."""
 NO_ANSWER = "no answer"
 """Native status of a solve whose answer cannot be used."""
-_NO_POWER = 1e-12  # of the sum of sizes: what round-off leaves of a power that vanishes
-_LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
+_NO_POWER = 1e-12  # power, by the sum of sizes, that counts as zero
+_LONGEST_MESSAGE = 2000  # characters; a solver's whole log would make tables unreadable
 
 
 TRUE_GAP = 25.0
@@ -39,28 +39,28 @@ TRUE_GAP = 25.0
 
 @dataclass(frozen=True, repr=False)
 class Capabilities(Compact):
-    """What a backend can do, and what to ask of it. Duals are no choice: certificates live on them.
+    """Capabilities of a backend. Duals are always required, because certificates need them.
 
     Attributes:
         regularised: it solves the regularised program (T17-T20), not the exact one.
-        max_unknowns: largest number of velocity unknowns that it takes; None: no limit.
-        max_cone: most rows that one of its cones may have; 1 is a linear program, None: no limit.
-        warm_start: a solve starts from the answer of the one before.
-        infeasibility: it recognises programs without a limit state (LOCKED, UNSAFE); from one that
-            does not, such a program may get any status, and residuals that refute it.
-        hardening: it takes groups that harden with the strain rate, a quadratic cost (T29).
-        isolated: it may hang where its time limit does not reach, so that it runs in a process of
-            its own, which can be stopped.
-        on_demand: comparisons run it only where it is named.
-        surfaces: it takes groups whose strength depends on pressure (T39).
-        slow_surfaces: it takes them, in many times its usual time: checks of all cases ask it about
-            the first variants only.
-        dense: its time grows with the cube of the unknowns: a first look leaves meshes out.
-        true_gap: its tolerance is the gap, recomputed; that of others is nominal, and their gap ten
+        max_unknowns: largest number of velocity unknowns; None: no limit.
+        max_cone: largest number of rows in a cone; 1 is a linear program, None: no limit.
+        warm_start: a solve starts from the answer of the last one.
+        infeasibility: it recognises programs without a limit state (LOCKED, UNSAFE). Without this
+            such a program may get any status, and residuals that refute it.
+        hardening: it supports groups that harden with the strain rate, a quadratic cost (T29).
+        isolated: it may hang beyond its time limit, so it runs in a separate process that can be
+            stopped.
+        on_demand: comparisons run it only if it is named.
+        surfaces: it supports groups whose strength depends on pressure (T39).
+        slow_surfaces: it supports them, but much more slowly: checks of all cases use it for the
+            first variants only.
+        dense: its time grows with the cube of the unknowns, so quick comparisons leave out meshes.
+        true_gap: its tolerance is the recomputed gap; that of others is nominal, and their gap ten
             to a hundred times as large.
-        paths: it is quick enough for comparisons to follow paths with it, tens of solves each.
-        packages: that it computes with, as they are installed. Their versions are recorded beside
-            its numbers, which are found again where one has changed.
+        paths: it is fast enough for comparisons along paths, with tens of solves each.
+        packages: names of the installed packages that it uses. Their versions are stored with its
+            results, which are computed again if a version has changed.
     """
 
     regularised: bool
@@ -90,14 +90,14 @@ class InnerSolution(Compact):
 
     Attributes:
         status: outcome.
-        native_status: the solver's own word for it.
-        iterations: of the solver.
-        solve_time: s, wall clock, as the backend measures it; of an isolated one as lacore does.
-        point: the velocity and its duals; None where the solver has none to give.
+        native_status: status reported by the solver.
+        iterations: number of iterations of the solver.
+        solve_time: s, wall clock, measured by the backend, or by lacore if it is isolated.
+        point: the velocity and its duals; None if the solver has none.
         regularised: the three values of T19 (regularised backends).
-        message: anything else worth knowing.
-        peak_memory: MB, resident, of the backend's own process; NaN where it has none.
-        reported_time: s, as an isolated backend reports it; NaN where `solve_time` is that.
+        message: further information.
+        peak_memory: MB, resident, of the backend's separate process; NaN without one.
+        reported_time: s, reported by an isolated backend; NaN for others.
     """
 
     status: Status
@@ -112,19 +112,19 @@ class InnerSolution(Compact):
 
 
 class PreparedSolver(Protocol):
-    """A backend at work on one program."""
+    """Backend prepared for one program."""
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve for a frozen contact; may start from the previous answer.
 
-        Whatever becomes of it is an `InnerSolution`; no later than ``options.time_limit``.
-        `checked_answer` looks at it before anyone else does.
+        Every outcome is an `InnerSolution`, returned within ``options.time_limit``.
+        `checked_answer` checks it before it is used.
         """
 
     def close(self) -> None:
-        """Give back what the solver holds (licences, processes, files); nothing is asked after.
+        """Release the resources of the solver (licences, processes, files); no call follows.
 
-        It must not raise: the answer is already there.
+        It must not raise, because the answer has been returned.
         """
 
 
@@ -133,11 +133,11 @@ Prepare = Callable[[KinematicProgram], PreparedSolver]
 
 
 class Backend(Protocol):
-    """A solver that can be plugged in; what is a property here may be a class attribute."""
+    """A solver that can be plugged in. Properties may also be class attributes."""
 
     @property
     def name(self) -> str:
-        """As registered."""
+        """Name under which it is registered."""
 
     @property
     def title(self) -> str:
@@ -149,11 +149,11 @@ class Backend(Protocol):
 
     @property
     def capabilities(self) -> Capabilities:
-        """What it can do."""
+        """Capabilities of the backend."""
 
     @property
     def statuses(self) -> Mapping[Any, Status]:
-        """Every native status of the solver, and what it means here."""
+        """Every native status of the solver, with its meaning."""
 
     @property
     def Options(self) -> type:  # noqa: N802  # it is a class
@@ -163,32 +163,32 @@ class Backend(Protocol):
         """
 
     def unavailable(self) -> str:
-        """Why it cannot run here and how to get it; empty where it can."""
+        """Return why it cannot run and how to install it; empty if it can."""
 
     def version(self) -> str:
-        """The solver and its version: ``Clarabel 0.11.1``."""
+        """Return the name and version of the solver: ``Clarabel 0.11.1``."""
 
     def prepare(self, program: KinematicProgram, options: Any) -> PreparedSolver:
-        """Everything that repeated solves share."""
+        """Prepare everything that repeated solves share."""
 
 
 @runtime_checkable
 class Family(Protocol):
-    """A backend that stands for several solvers, asked for as ``name:variant``."""
+    """Backend with several solvers, named as ``name:variant``."""
 
     def variants(self) -> Sequence[str]:
-        """Those that it knows of; `Backend.unavailable` says whether one can run here."""
+        """Return the known variants; `Backend.unavailable` reports whether one can run."""
 
     def variant(self, name: str) -> Backend:
-        """The backend of one of them."""
+        """Return the backend of a variant."""
 
 
 @runtime_checkable
 class WarmsUp(Protocol):
-    """A backend with something to do once in a process, such as compilation."""
+    """Backend with work to do once per process, such as compilation."""
 
     def warm_up(self) -> None:
-        """Do it. It is called before the first solve in a process, and its time is kept apart."""
+        """Do this work. It is called before the first solve in a process and timed separately."""
 
 
 Writer = Callable[[KinematicProgram, FrozenContact, Path], None]
@@ -201,11 +201,11 @@ Whatever units the backend solves in, the file has the units of the program: ``F
 
 @runtime_checkable
 class Writes(Backend, Protocol):
-    """A backend that writes the programs which it solves to files, for other solvers."""
+    """Backend that writes its programs to files for other solvers."""
 
     @property
     def writers(self) -> Mapping[str, Writer]:
-        """By format, as files of it end: ``{"cbf": write_cbf}``."""
+        """Functions by format, the extension of the file: ``{"cbf": write_cbf}``."""
 
 
 def check_capable(backend: Backend, program: KinematicProgram) -> None:
@@ -248,10 +248,10 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
 
 
 def checked_answer(program: KinematicProgram, regularised: bool, answer: object) -> InnerSolution:
-    """The answer of a backend, without its point where that is none that can be judged.
+    """Return the answer of a backend, without its point if that cannot be assessed.
 
-    A point of wrong shapes or of NaN says nothing whatever status comes with it; "solved" with
-    such a point, or with none, is FAILED.
+    A point of wrong shape or with NaN proves nothing, whatever its status; "solved" with such a
+    point, or without one, is FAILED.
     """
     if fault := fault_of_kinds(answer):
         seconds = getattr(answer, "solve_time", 0.0)
@@ -288,9 +288,9 @@ def fault_of(program: KinematicProgram, regularised: bool, answer: object) -> st
 
 
 def fault_of_kinds(answer: object) -> str:
-    """What is of the wrong kind in an answer, with its value and the remedy; empty if nothing is.
+    """Return which part of an answer has the wrong type, with value and remedy; empty if none has.
 
-    Shapes and numbers are for `checked_answer`, which knows the program.
+    Shapes and numbers are checked by `checked_answer`, which knows the program.
     """
     if not isinstance(answer, InnerSolution):
         return f"the backend answered {str(answer)[:60]!r} instead of an InnerSolution"
@@ -330,7 +330,7 @@ def _wrong(name: str, value: object, wanted: str) -> str:
 
 
 def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) -> str:
-    """What is wrong with an answer; empty where nothing is."""
+    """Return what is wrong with an answer; empty if nothing is."""
     point = answer.point
     if point is None:
         claims = answer.status in (Status.SOLVED, Status.ALMOST_SOLVED)
@@ -351,7 +351,7 @@ def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) 
 
 
 def read_options(backend: Backend, given: Mapping[str, Any]) -> Any:
-    """Options of a backend from a mapping; raises `InputError` on unknown names."""
+    """Return the options of a backend from a mapping; raises `InputError` on unknown names."""
     known = [field.name for field in fields(backend.Options)]
     if not isinstance(given, Mapping):
         raise InputError("options", given, "no mapping", "give {'name': value}")
@@ -362,6 +362,6 @@ def read_options(backend: Backend, given: Mapping[str, Any]) -> Any:
 
 
 def nominal_tolerance(backend: Backend, options: Any) -> float:
-    """The tolerance in options as a nominal one, whatever the backend means by it; 0 without."""
+    """Return the tolerance in options as a nominal one, for any backend; 0 without one."""
     tolerance = float(getattr(options, "tolerance", 0.0))
     return tolerance / TRUE_GAP if backend.capabilities.true_gap else tolerance

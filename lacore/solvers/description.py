@@ -1,7 +1,7 @@
-"""What a backend says of itself, as plain data, so that nobody else has to import it.
+"""Description of a backend as plain data, so that other processes need not import it.
 
 `describe` runs in the process of the backend, where its properties may raise or hang; `Description`
-is read from the result on the other side, and names what is missing or wrong.
+is read from the result on the other side, and reports missing or wrong entries.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _KINDS |= {"NoneType": NoneType}
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a backend: its name, its default, and the names of the kinds that it takes."""
+    """Option of a backend: its name, its default, and the accepted types."""
 
     name: str
     default: Any
@@ -37,17 +37,17 @@ class Option:
 
 @dataclass(frozen=True)
 class Description:
-    """A backend as it describes itself.
+    """Description of a backend.
 
     Attributes:
-        name, title, source, version: As of `lacore.solvers.contract.Backend`.
-        missing: Why it cannot run here; empty if it can.
-        capabilities: What it can do.
-        statuses: Its native statuses as text, and what each means.
+        name, title, source, version: See `lacore.solvers.contract.Backend`.
+        missing: Why it cannot run; empty if it can.
+        capabilities: Capabilities of the backend.
+        statuses: Native statuses as text, with their meaning.
         options: All options.
         frozen: Whether its class of options is frozen.
-        variants: Of a family; None if it is none.
-        formats: Of the files that it writes.
+        variants: Variants of a family; None for others.
+        formats: Formats of the files that it writes.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Description:
     formats: tuple[str, ...]
 
     def options_class(self, check: Callable[[Any], None], made: Callable[..., Any]) -> type:
-        """A class of options with the same fields and defaults.
+        """Return a class of options with the same fields and defaults.
 
         Args:
             check: Called with each new instance; raises `InputError` for values out of range.
@@ -86,13 +86,13 @@ class Description:
 
 
 def describe(backend: Backend) -> dict[str, Any]:
-    """What a backend says of itself, as plain data; what raises is told under ``faults``."""
+    """Return the description of a backend as plain data; errors are listed under ``faults``."""
     faults: list[str] = []
 
     def asked(name: str, get: Callable[[], Any]) -> Any:
         try:
             return get()
-        except Exception as error:  # of others: a fault of theirs is a line of ours
+        except Exception as error:  # A fault of another package becomes a line of the description.
             faults.append(f"{name} raised {type(error).__name__}: {error}")
             return None
 
@@ -169,12 +169,12 @@ def _is_frozen(kind: type) -> bool:
 
 
 def read_description(data: Any, name: str, file: str) -> Description:
-    """The description of the backend registered as `name`.
+    """Return the description of the backend registered as `name`.
 
     Args:
-        data: As `describe` makes them; from a process that may send anything.
-        name: Under which it is registered.
-        file: Where it comes from, for messages.
+        data: Result of `describe`, from a process that may send anything.
+        name: Name under which it is registered.
+        file: File that registers it, for messages.
 
     Raises:
         CapabilityError: Something is missing or wrong.

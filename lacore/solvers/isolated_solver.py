@@ -1,4 +1,4 @@
-"""A prepared solver whose work is done in the process of its backend."""
+"""Prepared solver that works in the process of its backend."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from lacore.solvers.served_process import ServedProcess, Source
 
 LEFT_RUNNING = "it was left with"
 """Begins the reason why a process was replaced in which a backend left something running."""
-_READ_ONLY = ("is read-only", "cannot set WRITEABLE flag")  # texts of NumPy's errors
+_READ_ONLY = ("is read-only", "cannot set WRITEABLE flag")  # messages of NumPy
 
 
 class IsolatedSolver:
-    """A prepared solver whose work is done by a `ServedProcess`."""
+    """Prepared solver whose work is done by a `ServedProcess`."""
 
     def __init__(
         self, process: ServedProcess, source: Source, program: KinematicProgram, options: Any
@@ -32,14 +32,14 @@ class IsolatedSolver:
         self._number = process.new_number()
         self._name = source.name
         self._closed = False
-        self._asked(partial(process.serve, source))  # imports are not to be paid from the limit
+        self._asked(partial(process.serve, source))  # Imports do not count to the time limit.
         self._generation = process.generation
         self._asked(
             partial(process.ask, self._limit, "prepare", self._number, program, asdict(options))
         )
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """As the backend does; a process lost is a status, and final.
+        """Solve in the process; if the process is lost, this is the final status.
 
         Raises:
             RuntimeError: The process was closed, or given to another backend, in the meantime.

@@ -1,7 +1,7 @@
-"""Backends in processes of their own, which only solve: what hangs, crashes or lies stays there.
+"""Backends in separate processes that only solve, so hangs, crashes and false claims stay there.
 
-The process of a backend gets programs and returns numbers. Loops, certificates and verdicts are
-computed on this side, from a program that the backend has never seen, by code that it cannot reach.
+The process of a backend receives programs and returns numbers. Loops, certificates and verdicts are
+computed on this side, from a copy of the program and by code that the backend cannot reach.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from lacore.solvers.description import Description, describe, read_description
 from lacore.solvers.isolated_solver import IsolatedSolver
 from lacore.solvers.served_process import ServedProcess, Source
 
-MOST_PROCESSES = 12  # that a thread keeps: as many as backends are compared, of some 80 MB each
+MOST_PROCESSES = 12  # limit per thread: as many as backends are compared, of about 80 MB each
 
 
 class SolverProcess(ServedProcess):
-    """An interpreter in which a backend works; started again when the backend kills it.
+    """Interpreter for one backend at a time, restarted after a crash.
 
-    It serves one backend at a time: for another one it is started again. A context manager:
-    leaving it stops the process. For one thread at a time.
+    For another backend it is started again. A context manager: leaving it stops the process. For
+    one thread at a time.
 
     Example:
         >>> with la.SolverProcess() as process:  # a solver that crashes does not end this one
@@ -41,17 +41,17 @@ class SolverProcess(ServedProcess):
     """
 
     def prepare(self, backend: Backend, program: KinematicProgram, options: Any) -> IsolatedSolver:
-        """Put a backend to work on a program in this process.
+        """Prepare a backend for a program in this process.
 
         Args:
             backend: Registered or not; its class must be importable there, and need no arguments.
-            program: In units of the program.
-            options: Of the backend.
+            program: Dimensionless program.
+            options: Options of the backend.
         """
         return self.isolated(backend).prepare(program, options)
 
     def isolated(self, backend: Backend) -> IsolatedBackend:
-        """Return a backend as it works in this process.
+        """Return a backend that works in this process.
 
         Args:
             backend: See `prepare`.
@@ -64,9 +64,9 @@ class SolverProcess(ServedProcess):
 
 
 def make_ready(backend: Backend) -> None:
-    """Let a backend start and compile, if it works in a process of its own.
+    """Let a backend start and compile, if it works in a separate process.
 
-    A backend that fails to do so reports it in place of an answer.
+    A backend that fails to do so reports it instead of an answer.
     """
     if isinstance(backend, IsolatedBackend):
         with suppress(CapabilityError):
@@ -74,13 +74,13 @@ def make_ready(backend: Backend) -> None:
 
 
 class KeptProcesses(threading.local):
-    """The processes that are kept for the backends of a thread, least recently used first."""
+    """Processes that are kept for the backends of a thread, least recently used first."""
 
     def __init__(self) -> None:
         self._by_source: OrderedDict[Source, SolverProcess] = OrderedDict()
 
     def of(self, source: Source) -> SolverProcess:
-        """The process of a backend; the oldest one is stopped where there are too many."""
+        """Return the process of a backend; the oldest one is stopped if there are too many."""
         found = self._by_source.setdefault(source, SolverProcess())
         self._by_source.move_to_end(source)
         if len(self._by_source) > MOST_PROCESSES:
@@ -102,11 +102,11 @@ def release_processes() -> None:
 
 
 class IsolatedBackend:
-    """A backend whose work, and whose word about itself, come from a process of its own.
+    """Backend whose work and description come from a separate process.
 
     Args:
         source: Where the backend is found.
-        process: In which it works; None: one that is kept for each thread that asks.
+        process: Process in which it works; None: one is kept for each calling thread.
         find: Function that finds a backend by its name (for pickle).
     """
 
@@ -119,7 +119,7 @@ class IsolatedBackend:
 
     @property
     def process(self) -> SolverProcess:
-        """In which the backend works for this thread."""
+        """Process of the backend for this thread."""
         return _KEPT.of(self._source) if self._given is None else self._given
 
     def within(self, process: SolverProcess) -> IsolatedBackend:
@@ -129,16 +129,16 @@ class IsolatedBackend:
         return found
 
     def knowing(self, backend: Backend) -> IsolatedBackend:
-        """Return itself, with what a backend of ours says of itself in this process."""
+        """Return itself, with the description of one of our backends in this process."""
         self._known = read_description(describe(backend), self._source.name, self._source.file)
         return self
 
     @property
     def about(self) -> Description:
-        """What the backend says of itself; asked once, also if it cannot answer.
+        """Description of the backend, requested once, also if that fails.
 
         Raises:
-            CapabilityError: It cannot be imported, or describes itself wrongly.
+            CapabilityError: It cannot be imported, or its description is wrong.
         """
         if self._known is not None:
             return self._known
@@ -172,7 +172,7 @@ class IsolatedBackend:
 
     @property
     def name(self) -> str:
-        """As registered."""
+        """Name under which it is registered."""
         return self._source.name
 
     @property
@@ -187,17 +187,17 @@ class IsolatedBackend:
 
     @property
     def capabilities(self) -> Capabilities:
-        """What it can do."""
+        """Capabilities of the backend."""
         return self.about.capabilities
 
     @property
     def statuses(self) -> Mapping[Any, Status]:
-        """Every native status of the solver as text, and what it means here."""
+        """Every native status of the solver as text, with its meaning."""
         return self.about.statuses
 
     @cached_property
     def Options(self) -> type:  # noqa: N802  # it is a class
-        """Its options; values out of range are rejected by the backend itself."""
+        """Class of its options; the backend itself rejects values out of range."""
         return self.about.options_class(self._check, partial(_remade, self._find))
 
     def _check(self, options: Any) -> None:
@@ -216,20 +216,20 @@ class IsolatedBackend:
             ) from error
 
     def unavailable(self) -> str:
-        """Why it cannot run here and how to get it; empty where it can."""
+        """Return why it cannot run and how to install it; empty if it can."""
         return self.about.missing
 
     def version(self) -> str:
-        """The solver and its version."""
+        """Return the name and version of the solver."""
         return self.about.version
 
     def variants(self) -> Sequence[str]:
-        """Of a family, the solvers that it knows of."""
+        """Return the known solvers of a family."""
         return self.about.variants or ()
 
     @property
     def writers(self) -> Mapping[str, Writer]:
-        """By format, how a program is written to a file."""
+        """Functions that write a program to a file, by format."""
         return {ending: partial(self._write, ending) for ending in self.about.formats}
 
     def _write(
@@ -239,7 +239,7 @@ class IsolatedBackend:
         self.process.ask(START, "write", ending, program, contact, str(Path(path).absolute()))
 
     def prepare(self, program: KinematicProgram, options: Any) -> IsolatedSolver:
-        """The backend at work on one program; a process that is lost is the answer of `solve`."""
+        """Return the backend prepared for a program; a lost process is reported by `solve`."""
         return IsolatedSolver(self.process, self._source, program, options)
 
     def __reduce__(self) -> tuple[Callable[[str], Backend], tuple[str]]:

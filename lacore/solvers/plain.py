@@ -1,4 +1,4 @@
-"""Data of plain kinds as bytes: what comes from the process of a backend, where nothing is trusted.
+"""Plain data as bytes, for messages from the untrusted process of a backend.
 
 Unpickling runs code that the sender chooses. Here a message holds only None, truth values, numbers,
 text, lists, mappings and arrays of numbers, and reading it cannot do anything but build these.
@@ -14,7 +14,7 @@ import numpy as np
 
 _LENGTH = 8  # bytes of the number that states the length of the header
 _ARRAY = "__array__"
-_KINDS = "fiub"  # of arrays: floats, integers, truth values
+_KINDS = "fiub"  # kinds of arrays: floats, integers, truth values
 
 
 def dumps(value: object) -> bytes:
@@ -29,7 +29,7 @@ def dumps(value: object) -> bytes:
 
 
 def loads(message: bytes) -> Any:
-    """Decode a value; lists come back for tuples.
+    """Decode a value; tuples are returned as lists.
 
     Raises:
         ValueError: The message was not made by `dumps`.
@@ -87,5 +87,5 @@ def _array(value: dict[str, Any], message: memoryview, begin: int) -> tuple[Any,
     end = begin + kind.itemsize * int(np.prod(shape, dtype=object))
     if end > len(message):
         raise ValueError("a message ends within an array")
-    # A copy: an array on the buffer of a message would keep all of it, and be read-only.
+    # Copy the array: a view of the message would keep all of it, and be read-only.
     return np.frombuffer(message[begin:end], dtype=kind).reshape(shape).copy(), end

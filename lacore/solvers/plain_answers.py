@@ -1,4 +1,4 @@
-"""Answers of a backend's process as plain data, and what is read from them."""
+"""Answers of a backend's process as plain data, written and read."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _INPUT, _CAPABILITY = "input", "capability"
 
 
 class PlainAnswers:
-    """A `lacore.solvers.child_process.Codec` whose messages hold plain data only."""
+    """`lacore.solvers.child_process.Codec` whose messages contain plain data only."""
 
     def answer(self, value: Any) -> bytes:
         """Encode plain data.
@@ -79,7 +79,7 @@ def _error(about: dict[str, Any]) -> Exception:
 
 
 def pack_answer(answer: object) -> dict[str, Any]:
-    """What a backend answered as plain data; of something else what is wrong with it."""
+    """Return the answer of a backend as plain data, or what is wrong with it."""
     if fault := fault_of_kinds(answer):
         return {"fault": fault}
     assert isinstance(answer, InnerSolution)
@@ -109,16 +109,16 @@ def _packed_point(point: ProgramState) -> dict[str, Any]:
 
 
 def _numbers(values: object) -> Any:
-    """An array of numbers as it is; anything else as a message on what it is."""
+    """Return an array of numbers unchanged, or else a message on what it is."""
     array = np.asarray(values)
     return array if array.dtype.kind in "fiub" else np.full(array.shape, np.nan)
 
 
 def read_answer(data: Any, seconds: float, memory: float) -> InnerSolution:
-    """The answer that plain data state.
+    """Return the answer in plain data.
 
     Args:
-        data: As `pack_answer` makes them; from a process that may send anything.
+        data: Result of `pack_answer`, from a process that may send anything.
         seconds: Time between request and answer, measured on this side, s.
         memory: Peak memory of the process, MB.
     """

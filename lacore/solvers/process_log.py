@@ -1,4 +1,4 @@
-"""The end of what a process writes to its standard error, however much that is."""
+"""The last output of a process to its standard error, of limited size."""
 
 import os
 import select
@@ -7,13 +7,14 @@ import threading
 
 LONGEST_LOG = 64 * 1024
 """Bytes that are kept of a log: the last ones."""
-_READS = 32  # at a time: more than a pipe holds, and an end where a process never stops writing
+# number of reads at a time: more than a pipe holds, and finite if a process never stops
+_READS = 32
 
 
 class ProcessLog:
-    """What the processes that are started one after the other with it write.
+    """Output of the processes that are started with it, one after the other.
 
-    On Windows it stays empty, and processes write where this one does.
+    On Windows it stays empty, and processes write to the streams of this one.
 
     Args:
         limit: Number of bytes that are kept.
@@ -26,9 +27,9 @@ class ProcessLog:
     def open(self) -> int | None:
         """Return the file descriptor for a new process, which the caller closes afterwards.
 
-        What earlier processes, or children of them, write from now on is not kept.
+        Later output of earlier processes, or of their children, is not kept.
         """
-        if sys.platform == "win32":  # pipes cannot be asked whether something is in them
+        if sys.platform == "win32":  # There is no test whether a pipe contains data.
             return None
         reading, writing = os.pipe()
         self._pipe = _Pipe(reading, self._limit, self._pipe.take() if self._pipe else b"")
@@ -36,7 +37,7 @@ class ProcessLog:
         return writing
 
     def take(self) -> str:
-        """Return what was written since the last call, or the end of it, as text."""
+        """Return the text since the last call, or the end of it."""
         if self._pipe is None:
             return ""
         data = self._pipe.take()
@@ -47,7 +48,7 @@ class ProcessLog:
 
 
 class _Pipe:
-    """The reading end of a pipe; a thread empties it, so that nobody who writes has to wait."""
+    """Reading end of a pipe; a thread empties it, so that writers never wait."""
 
     def __init__(self, reading: int, limit: int, before: bytes) -> None:
         self._reading, self._limit = reading, limit
@@ -64,7 +65,7 @@ class _Pipe:
         os.close(self._reading)
 
     def take(self) -> bytes:
-        """Return what was written until now; one byte more than the limit if there was more."""
+        """Return the data until now; one byte more than the limit if there was more."""
         with self._lock:
             self._read_what_is_there()
             data, self._data = bytes(self._data), bytearray()

@@ -1,8 +1,8 @@
-"""The backends that are installed, by name: lacore's own, and those of other packages.
+"""Installed backends by name: lacore's own, and those of other packages.
 
-A backend of another package works in a process of its own (`lacore.solvers.isolation`), and so does
-one of ours that asks for it. Where the environment variable `ISOLATE` is set, all of them do: the
-processes in which results are judged set it.
+A backend of another package works in a separate process (`lacore.solvers.isolation`), and so does
+one of ours that requires it. If the environment variable `ISOLATE` is set, all of them do; the
+processes that assess results set it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from lacore.solvers.isolation import IsolatedBackend, SolverProcess
 from lacore.solvers.served_process import ISOLATE, Source
 
 GROUP = "lacore.backends"
-_OWN = "lacore_backends"  # the package of ours
+_OWN = "lacore_backends"  # package of our own backends
 CALIBRATION = "clarabel"
 """Backend of lacore with which comparisons repeat a short solve, to measure the machine."""
 PROVING_BACKEND = "auto"
@@ -30,12 +30,12 @@ PROVING_BACKEND = "auto"
 
 @dataclass(frozen=True)
 class Registered:
-    """An entry point of a backend.
+    """Entry point of a backend.
 
     Attributes:
-        name: Under which it is registered.
+        name: Name under which it is registered.
         target: ``module:attribute`` of its class.
-        file: Which registers it.
+        file: File that registers it.
         own: Whether it is one of lacore's.
         conflict: Why it cannot be used; empty if it can.
     """
@@ -48,12 +48,12 @@ class Registered:
 
     @property
     def label(self) -> str:
-        """Its name with the package that registers it: names of rejected ones are not unique."""
+        """Name with the package that registers it, as names of rejected ones are not unique."""
         return f"{self.name} ({Path(self.file).name})"
 
 
 def backend_names() -> list[str]:
-    """Names of all registered backends, sorted.
+    """Return the names of all registered backends, sorted.
 
     Example:
         >>> "clarabel" in la.backend_names()
@@ -63,13 +63,13 @@ def backend_names() -> list[str]:
 
 
 def rejected_backends() -> list[Registered]:
-    """Entry points that take the name of another backend; each says why it is rejected."""
+    """Return the entry points with the name of another backend, with the reason of rejection."""
     return [*_registered(tuple(sys.path))[1]]
 
 
 @cache
 def _registered(path: tuple[str, ...]) -> tuple[Mapping[str, Registered], tuple[Registered, ...]]:
-    """Backends on a path by name, and those whose name another one has. Reading takes ms."""
+    """Return the backends on a path by name, and those whose name is taken. Reading takes ms."""
     own: dict[str, Registered] = {}
     others: dict[str, list[Registered]] = {}
     for entry in entry_points(group=GROUP):
@@ -111,9 +111,9 @@ def find_backend(name: str, process: SolverProcess | None = None) -> Backend:
     """Return the backend registered under a name, or ``name:variant`` of a family (``cvxpy:SCS``).
 
     Args:
-        name: Of the backend.
-        process: In which it is to work; None: a backend of another package, and one that asks for
-            isolation, works in a process that is kept for it, and any other in this one.
+        name: Name of the backend.
+        process: Process in which it works; None: a backend of another package, and one that
+            requires isolation, works in a process that is kept for it, and any other in this one.
 
     Raises:
         InputError: There is no such name.
@@ -130,7 +130,7 @@ def find_backend(name: str, process: SolverProcess | None = None) -> Backend:
 
 
 def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
-    """As `find_backend`, but one that cannot run here is returned too, to be asked why."""
+    """Return the backend as `find_backend`, even if it cannot run, to query the reason."""
     if not isinstance(name, str):
         raise InputError("backend", name, "not a name", f"give one of {', '.join(backend_names())}")
     first, _, variant = name.partition(":")
@@ -149,7 +149,8 @@ def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
         return _isolated(entry, name, variant).knowing(backend)
     isolated = _isolated(entry, name, variant)
     isolated = isolated if process is None else isolated.within(process)
-    assert isolated.about.name == name  # asked now, so that a faulty one is known before it works
+    # Read it now, so that a faulty backend is known before it works.
+    assert isolated.about.name == name
     return isolated
 
 
@@ -174,10 +175,10 @@ def fault_of(name: str) -> str:
 
 
 def _here(entry: Registered, name: str) -> Backend:
-    """A backend of ours, in this process."""
+    """Return one of our backends in this process."""
     try:
         backend: Backend = EntryPoint(entry.name, entry.target, GROUP).load()()
-    except Exception as error:  # a broken installation must not take the rest with it
+    except Exception as error:  # A broken installation must not affect other backends.
         why = f"{type(error).__name__}: {error}"
         raise CapabilityError(f"backend {entry.name!r} cannot be loaded: {why}") from error
     first, colon, variant = name.partition(":")
@@ -191,7 +192,7 @@ def _here(entry: Registered, name: str) -> Backend:
 
 @cache
 def _isolated(entry: Registered, name: str, variant: str) -> IsolatedBackend:
-    """A backend that works in a process of its own; kept, and so is its process."""
+    """Return a backend that works in a separate process; both are kept."""
     first, colon, _ = name.partition(":")
     if colon:
         known = _isolated(entry, first, "").variants()

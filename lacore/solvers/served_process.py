@@ -1,6 +1,6 @@
-"""The interpreter in which one backend works, and how long it takes to start.
+"""Interpreter in which one backend works, and its time to start.
 
-It is started again when the backend kills it, or leaves something running in it.
+It is started again if the backend kills it, or leaves something running in it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from lacore.solvers.compilation import compiling
 
 _WORKER = "lacore.solvers.solver_worker:SolverWorker"
 _CODEC = "lacore.solvers.plain_answers:PlainAnswers"
-WARM_UP = 300.0  # s, for compilation; lacore's own backends need 24 s on a quiet machine
+WARM_UP = 300.0  # s, for compilation; lacore's own backends need 24 s on an idle machine
 ISOLATE = "LACORE_ISOLATE_BACKENDS"
 """Environment variable of processes in which all backends are isolated, also those of lacore."""
 
@@ -25,10 +25,10 @@ class Source:
     """Where a backend is found.
 
     Attributes:
-        name: Under which it is registered, with its variant: ``cvxpy:SCS``.
+        name: Name under which it is registered, with its variant: ``cvxpy:SCS``.
         target: ``module:attribute`` of its class.
-        variant: Of a family; empty for the backend itself.
-        file: Which registers it, for messages.
+        variant: Variant of a family; empty for the backend itself.
+        file: File that registers it, for messages.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Source:
 
 
 class ServedProcess:
-    """A process that serves one backend at a time: for another one it is started again.
+    """Process for one backend at a time; for another one it is started again.
 
     A context manager: leaving it stops the process. For one thread at a time.
     """
@@ -55,7 +55,7 @@ class ServedProcess:
         self._compile_time = nan
 
     def open(self, source: Source) -> Any:
-        """Start the process with a backend, and return what the backend says of itself.
+        """Start the process with a backend, and return its description.
 
         Raises:
             LostError: It hangs or ends while it is imported.
@@ -71,7 +71,7 @@ class ServedProcess:
         return about
 
     def warm_up(self, source: Source) -> None:
-        """Have the backend at work here, compiled, whenever this process starts with it.
+        """Start the backend, compiled, and compile it again whenever the process is restarted.
 
         Raises:
             LostError: Its `warm_up` hangs, or ends the process; it is not called again.
@@ -81,12 +81,12 @@ class ServedProcess:
         self.serve(source)
 
     def serve(self, source: Source) -> None:
-        """Have the backend at work here, in a process that nothing else uses.
+        """Start the backend in a process that nothing else uses.
 
         Raises:
             LostError, BackendError: See `open` and `warm_up`.
         """
-        if source in self._lost:  # a warm-up that hangs costs its time once
+        if source in self._lost:  # A warm-up that hangs costs its time only once.
             raise self._lost[source]
         if self._source == source and self._process.running and self._was_busy():
             self.replace_for("it computed while nothing was asked of it")
@@ -108,23 +108,23 @@ class ServedProcess:
 
     @property
     def compile_time(self) -> float:
-        """What `warm_up` took in the process that is running, s; NaN where there is none."""
+        """Time of `warm_up` in the running process, s; NaN without one."""
         return self._compile_time
 
     def _was_busy(self) -> bool:
         try:
             return bool(self._process.ask(START, "was_busy"))
         except LostError:
-            return False  # it is started again anyway
+            return False  # It is started again in any case.
 
     def new_number(self) -> int:
-        """A number for a program that is prepared here."""
+        """Return a number for a program that is prepared here."""
         self._count += 1
         return self._count
 
     @property
     def generation(self) -> int:
-        """How often the process was started."""
+        """Number of starts of the process."""
         return self._generation
 
     def replace_for(self, why: str) -> None:
@@ -138,12 +138,12 @@ class ServedProcess:
         return note
 
     def holds(self, generation: int) -> bool:
-        """Whether it still is the process that was started then."""
+        """Return whether the process is the one of this start."""
         return self._generation == generation and self._process.running
 
     @property
     def processor_time(self) -> float:
-        """What it has used since it was started, s; NaN where it is lost."""
+        """Processor time since its start, s; NaN if it is lost."""
         if not self._process.running:
             return 0.0
         try:
@@ -152,7 +152,7 @@ class ServedProcess:
             return float("nan")
 
     def ask(self, limit: float, *request: Any) -> Any:
-        """As `ChildProcess.ask`."""
+        """Return the answer to a request, see `ChildProcess.ask`."""
         return self._process.ask(limit, *request)
 
     def close(self) -> None:

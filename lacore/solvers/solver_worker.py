@@ -1,6 +1,6 @@
-"""What can be asked of the process of one backend: it describes itself, prepares and solves.
+"""Methods of the process of one backend: it describes itself, prepares and solves.
 
-Nothing here is trusted by the other side: code of the backend runs in the same interpreter.
+The other side trusts nothing here, because code of the backend runs in the same interpreter.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from lacore.solvers.contract import (
 from lacore.solvers.description import describe
 from lacore.solvers.plain_answers import pack_answer
 
-_BUSY = 0.5  # share of a processor that an idle process may not use
-_IDLE = 0.3  # s of idling after which this is judged: MKL's threads wait actively for 0.2 s
+_BUSY = 0.5  # share of a processor that shows that an idle process works
+_IDLE = 0.3  # s of idling before this is checked: MKL's threads wait actively for 0.2 s
 
 
 class SolverWorker:
-    """One backend at work in this process, on any number of programs."""
+    """One backend in this process, for any number of programs."""
 
     def __init__(self) -> None:
         self._backend: Backend | None = None
@@ -40,11 +40,11 @@ class SolverWorker:
         self._rest = time.perf_counter(), time.process_time()
 
     def open(self, target: str, variant: str) -> dict[str, Any]:
-        """Import a backend, and say what it is.
+        """Import a backend, and return its description.
 
         Args:
             target: ``module:attribute`` of its class.
-            variant: Of a family; empty for the backend itself.
+            variant: Variant of a family; empty for the backend itself.
         """
         backend: Backend = resolve_name(target)()
         if variant:
@@ -69,7 +69,7 @@ class SolverWorker:
         return True
 
     def check_options(self, values: dict[str, Any]) -> None:
-        """Let the backend look at options; it raises `InputError` for values out of range."""
+        """Let the backend check options; it raises `InputError` for values out of range."""
         self._own.Options(**values)
         self._idle_from_now()
 
@@ -89,7 +89,7 @@ class SolverWorker:
         self._idle_from_now()
 
     def solve(self, number: int, contact: FrozenContact) -> dict[str, Any]:
-        """The answer for a frozen contact, with what is known of this process."""
+        """Return the answer for a frozen contact, with data on this process."""
         solver, program, before = self._solvers[number]
         make_read_only(contact)
         frozen = digests(contact, "contact")
@@ -102,7 +102,7 @@ class SolverWorker:
                 seconds,
             )
         sent = {"answer": pack_answer(answer), "memory": peak_memory()}
-        self._idle_from_now()  # another program may be closed, or begun, before this one
+        self._idle_from_now()  # Another program may be closed, or started, before this one.
         return sent
 
     def close(self, number: int) -> None:
@@ -120,7 +120,7 @@ class SolverWorker:
         self._idle_from_now()
 
     def rest(self) -> str:
-        """What the backend has left running; empty if nothing. Idling begins here."""
+        """Return what the backend has left running; empty if nothing. Idling begins here."""
         self._idle_from_now()
         threads = [thread.name for thread in set(threading.enumerate()) - self._threads]
         found = []
@@ -131,11 +131,11 @@ class SolverWorker:
         return " and ".join(found)
 
     def _idle_from_now(self) -> None:
-        """Begin to count what the process computes while nothing is asked of it."""
+        """Begin to count processor time between requests."""
         self._rest = time.perf_counter(), time.process_time()
 
     def was_busy(self) -> bool:
-        """Whether the process computed while nothing was asked of it, as native threads may."""
+        """Return whether the process computed between requests, as native threads may."""
         idle, used = (
             now - then
             for now, then in zip(
@@ -145,7 +145,7 @@ class SolverWorker:
         return idle > _IDLE and used > _BUSY * idle
 
     def processor_time(self) -> float:
-        """Processor time of this process, s."""
+        """Return the processor time of this process, s."""
         return time.process_time()
 
     @property
@@ -155,7 +155,7 @@ class SolverWorker:
 
 
 def _children() -> list[str]:
-    """Names of the child processes that are alive; empty where the system lists none."""
+    """Return the names of the running child processes; empty where the system lists none."""
     found = []
     for task in Path("/proc/self/task").glob("*/children"):
         try:
@@ -166,8 +166,9 @@ def _children() -> list[str]:
             try:
                 about = Path(f"/proc/{number}/stat").read_text()
             except OSError:
-                continue  # it has ended meanwhile
+                continue  # It has ended meanwhile.
             name, _, rest = about.partition("(")[2].rpartition(")")
-            if rest.split()[0] != "Z":  # one that has ended, and only waits to be asked how
+            # A zombie has ended, and only waits for its status to be read.
+            if rest.split()[0] != "Z":
                 found.append(name)
     return found

@@ -1,1 +1,1 @@
-"""Both bounds on meshes that grow where the gap is (T26)."""
+"""Both bounds on meshes that are refined where the gap is (T26)."""

@@ -1,4 +1,4 @@
-"""Bounds on the meshes of a round, two at a time where there are two processors."""
+"""Bounds on the meshes of an iteration, two at a time on two processors."""
 
 import os
 import time
@@ -18,31 +18,32 @@ from lacore.solvers.backend import TRUE_GAP, find_backend
 
 Bound = LowerBound | UpperBound
 
-TIGHTEST = 1e-9  # tolerance that is asked for
-_JUDGED = 1e-3  # residuals of a velocity that is worth projecting
-_AIM = 0.2  # of what may be lost, when a bound is asked for again: losses do not fall evenly
-_WORTH = 0.5  # of a tolerance at most, for which another solve is worth its time
+TIGHTEST = 1e-9  # smallest requested tolerance
+_JUDGED = 1e-3  # largest residual of a velocity that is projected
+# share of the affordable loss at which a repeated solve aims, as losses do not fall evenly
+_AIM = 0.2
+_WORTH = 0.5  # largest ratio of tolerances for which another solve pays
 
 
 def processors() -> int:
-    """How many this process may use."""
+    """Return the number of processors that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # not everywhere
+    except AttributeError:  # not available on all systems
         return os.cpu_count() or 1
 
 
 @dataclass(frozen=True)
 class RequestedBound:
-    """A bound that is to be found.
+    """A bound to compute.
 
     Attributes:
         kind: ``lower`` or ``upper``.
-        problem: on its mesh.
-        tolerance: nominal; the backend is asked once more with its own where nothing is proven.
-        affordable: of load factors, what a bound may lose as what the solver found is made
-            admissible; where it loses more, the backend is asked once more, with a tolerance as
-            much tighter.
+        problem: problem on its mesh.
+        tolerance: nominal tolerance; if nothing is proven, the backend is called again with its
+            own.
+        affordable: largest loss of the load factor when the solver's result is made admissible. If
+            the bound loses more, the backend is called again with a smaller tolerance.
     """
 
     kind: str
@@ -53,12 +54,11 @@ class RequestedBound:
 
 @dataclass(frozen=True)
 class FoundBound:
-    """A bound, and how it was found.
+    """A bound, and the tolerance that it needed.
 
     Attributes:
-        bound: the better one, where the backend was asked twice.
-        sharper: tolerance that it took, per that of the question, for a bound that lost too much;
-            else 1.
+        bound: the better one if the backend was called twice.
+        sharper: tolerance by the requested one, for a bound that lost too much; else 1.
     """
 
     bound: Bound
@@ -67,13 +67,13 @@ class FoundBound:
 
 @dataclass(frozen=True)
 class Solver:
-    """Who finds bounds.
+    """Solver of bounds.
 
     Attributes:
-        backend: its name.
-        options: of the backend, before all others.
-        deadline: on the clock of `time.perf_counter`.
-        jobs: how many bounds are found at a time.
+        backend: name of the backend.
+        options: options of the backend, which take precedence.
+        deadline: time of the clock `time.perf_counter`.
+        jobs: number of simultaneous solves.
     """
 
     backend: str
@@ -82,14 +82,14 @@ class Solver:
     jobs: int
 
     def answers(self, asked: Sequence[RequestedBound]) -> Generator[FoundBound]:
-        """The bounds in their order, the same whatever `jobs`: each knows its own question only.
+        """Yield the bounds in their order; the results do not depend on `jobs`.
 
-        Who stops reading leaves the rest unsolved, or unread.
+        If the caller stops reading, the remaining bounds are not solved, or not returned.
         """
         yield from each(self.answer, asked, self.jobs)
 
     def answer(self, asked: RequestedBound) -> FoundBound:
-        """The answer to one question."""
+        """Return one bound."""
         tolerance = asked.tolerance * self._nominal
         bound = self._bound(asked, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
@@ -102,7 +102,7 @@ class Solver:
         return FoundBound(again if closer else bound, sharper)
 
     def _sharper(self, asked: RequestedBound, bound: Bound) -> float:
-        """Which share of the tolerance a bound needs that loses too much; else 1."""
+        """Return the factor for the tolerance of a bound that loses too much; else 1."""
         if bound.status is not Status.SOLVED or not bound.lost > asked.affordable:
             return 1.0
         if "tolerance" in self.options or "tolerance" not in self._known:
@@ -112,7 +112,7 @@ class Solver:
 
     @property
     def _nominal(self) -> float:
-        """What its backend calls a nominal tolerance of 1."""
+        """Nominal tolerance of the backend for a tolerance of 1."""
         return TRUE_GAP if find_backend(self.backend).capabilities.true_gap else 1.0
 
     @property

@@ -1,4 +1,4 @@
-"""Brackets: a load factor between two proven ones, and how it came about (T26)."""
+"""Brackets: a load factor between two proven bounds, and the history of the refinement (T26)."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from lacore.reporting.status import Reported, Rigor, Status
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Round-off of a proven load factor per residual that counts as zero, of all loads: some ten times
-# that in sums over elements, and two digits in hand.
+# Round-off of a proven load factor by the residual that counts as zero and all loads: sums over
+# elements have about ten times this residual, and two digits are in reserve.
 _SUMMED = 1e3
 BODY = "load factor"
-POLYGON = "load factor of the polygon"  # that stands for a curved outline
-_EVERY = "every Coulomb "  # what bounds enclose where friction is Coulomb's
+POLYGON = "load factor of the polygon"  # The polygon replaces a curved outline.
+_EVERY = "every Coulomb "  # bounded quantity with Coulomb friction
 
 
 class Ending(Enum):
-    """Why a bracket is as wide as it is. The text says what to do."""
+    """Reason for the final width of a bracket. Its text says what to do."""
 
     REACHED = "the target width is reached"
     MAX_ELEMENTS = "not reached: the next mesh would have more elements than `max_elements`"
@@ -65,17 +65,17 @@ class Ending(Enum):
 
 @dataclass(frozen=True, repr=False)
 class Step(Compact):
-    """One solve on the way.
+    """One solve of a bracket.
 
     Attributes:
         step: 0, 1, ...
-        bound: ``lower`` or ``upper``: which one was solved.
-        elements: of its mesh.
-        solved: what this mesh proves.
-        lower, upper: the best that is proven so far.
-        width: ``(upper - lower)`` per their mean; inf while there are not both.
+        bound: ``lower`` or ``upper``.
+        elements: number of elements of the mesh.
+        solved: load factor that this mesh proves.
+        lower, upper: best proven load factors so far.
+        width: ``(upper - lower)`` divided by their mean; inf if one is missing.
         quality: shape of the worst triangle, 1 for equilateral ones.
-        seconds: since the start, everything included.
+        seconds: time since the start.
     """
 
     step: int
@@ -91,20 +91,20 @@ class Step(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Bracket(Reported):
-    """A load factor between two proven ones: of the body where `strict`, else of its polygon.
+    """A load factor between two proven ones: of the body if `strict`, else of its polygon.
 
-    With Coulomb friction every Coulomb load factor.
+    With Coulomb friction it contains every Coulomb load factor.
 
     Attributes:
         status: whether the target was reached, and if not, why.
         lower_bound, upper_bound: the best ones, with their states and meshes.
-        target_width: as asked for.
-        history: one row a solve, see `Step`.
-        failures: Why there is no bound, on either side: its mesh is locked or unsafe, or the solver
-            failed; or how far bounds cross.
+        target_width: requested width.
+        history: one row per solve, see `Step`.
+        failures: why there is no bound on either side: its mesh is locked or unsafe, or the solver
+            failed; or how far the bounds cross.
         coulomb: whether the problem has Coulomb friction: the lower bound is then one of the
             problem without it, the upper one of that with associated friction (T14).
-        stops: Which side stopped at how many elements, and why; empty where the target is reached.
+        stops: which side stopped at how many elements, and why; empty if the target is reached.
     """
 
     status: Ending
@@ -118,12 +118,12 @@ class Bracket(Reported):
 
     @property
     def lower(self) -> float:
-        """Load factor that is proven from below; -inf where none is."""
+        """Load factor that is proven from below; -inf if there is none."""
         return proven(self.lower_bound, -np.inf)
 
     @property
     def upper(self) -> float:
-        """Load factor that is proven from above; +inf where none is."""
+        """Load factor that is proven from above; +inf if there is none."""
         return proven(self.upper_bound, np.inf)
 
     @property
@@ -140,7 +140,7 @@ class Bracket(Reported):
 
     @property
     def polygonal(self) -> bool:
-        """Whether straight edges stand for a curved outline: both bounds are of that polygon."""
+        """Whether straight edges replace a curved outline: both bounds are then of that polygon."""
         bodies = self.upper_bound.discretisation.continua.values()
         return any(dofs.body.geometry != "exact" for dofs in bodies)
 
@@ -162,7 +162,10 @@ class Bracket(Reported):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What stopped, what is proven, what failed, and which supports are too near."""
+        """Findings.
+
+        The reason of the end, what is proven, failures, and supports that are too close.
+        """
         proven_of = None
         if self.strict:
             proven_of = Kind.BOUNDS_PROVEN_OF_COULOMB if self.coulomb else Kind.BOUNDS_PROVEN
@@ -181,9 +184,9 @@ class Bracket(Reported):
     def gaps(self) -> GapIdentity:
         """Compute the shares of the elements in the gap, on the mesh of the upper bound (T26).
 
-        Where the lower bound has a mesh of its own, this solves for a lower bound on that of the
-        upper bound: without the fans of its own mesh it is a little worse. With Coulomb friction
-        both are of the problem with associated friction.
+        If the lower bound has a separate mesh, this solves for another lower bound on the mesh of
+        the upper bound, which is slightly lower without the fans of its own mesh. With Coulomb
+        friction both bounds are of the problem with associated friction.
 
         Raises:
             ValueError: there is no upper bound.
@@ -198,7 +201,7 @@ class Bracket(Reported):
 
     @property
     def one_mesh(self) -> bool:
-        """Whether both bounds were found on the same mesh, and of the same problem."""
+        """Whether both bounds were found on the same mesh, and for the same problem."""
         if self.coulomb:
             return False
         above, below = self.upper_bound.discretisation.continua, self.lower_bound.model.continua
@@ -209,7 +212,7 @@ class Bracket(Reported):
         )
 
     def facts(self) -> Facts:
-        """What is proven, and how it came about."""
+        """Return the proven bounds and their origin, for printing."""
         lower, upper = self.lower_bound, self.upper_bound
         told = {
             "status": self.message,
@@ -225,19 +228,19 @@ class Bracket(Reported):
         return Facts(f"Bracket: {self.heading}", told)
 
     def picture(self) -> Picture:
-        """Shares in the gap where they are known; to be drawn, others need a solve (`plot`)."""
+        """Return the shares in the gap if they are known; others need a solve (`plot`)."""
         if self.upper_bound.status is Status.SOLVED and (self.one_mesh or "gaps" in vars(self)):
             return Picture(self.plot())
         problem = self.upper_bound.discretisation.problem
         return Picture(problem.plot(), "the problem, on the mesh of the upper bound")
 
     def plot(self) -> Figure:
-        """Both meshes and their shares: see `lacore.pictures.bracket.plot_bracket`."""
+        """Return both meshes with their shares: see `lacore.pictures.bracket.plot_bracket`."""
         return views.picture(self)
 
 
 def heading(lower: float, upper: float, width: float, status: str, bounded: str = BODY) -> str:
-    """What stands above a picture; `bounded` is what both are bounds of."""
+    """Return the title of a picture; `bounded` is the bounded quantity."""
     told = f"{lower:.6g} <= {bounded} <= {upper:.6g}"
     if lower > upper:
         told = f"lower bound {lower:.6g}, upper bound {upper:.6g}"
@@ -249,7 +252,7 @@ def _equilibrium(bound: LowerBound) -> float:
 
 
 def width(lower: float, upper: float) -> float:
-    """``(upper - lower)`` per their mean; inf where one is missing."""
+    """Return ``(upper - lower)`` divided by their mean; inf if one is missing."""
     if not (np.isfinite(lower) and np.isfinite(upper)):
         return np.inf
     mean = abs(lower + upper) / 2
@@ -262,8 +265,8 @@ def crossing(lower: LowerBound, upper: UpperBound) -> Finding | None:
     if not below > above:
         return None
     power = sum(float(part.sum()) for part in upper.dissipation.values())
-    # Of the sums: dead loads may cancel most of it; strains of what moves as rigid are round-off of
-    # its speed.
+    # The sum of all powers is used, because dead loads may cancel most of it; strains of rigid
+    # parts are round-off of their speed.
     natural = upper.discretisation.natural
     moving = natural.load_factor * float(np.abs(upper.velocity).max()) / natural.velocity
     size = max(abs(below), abs(above), power, moving)
@@ -275,7 +278,7 @@ def crossing(lower: LowerBound, upper: UpperBound) -> Finding | None:
 
 
 def proven(bound: LowerBound | UpperBound | None, otherwise: float) -> float:
-    """Load factor of a bound that holds."""
+    """Return the load factor of a bound that holds, or else a given value."""
     if bound is None or bound.status is not Status.SOLVED:
         return otherwise
     return bound.load_factor

@@ -1,4 +1,4 @@
-"""Load factors of joints that crush between bounds, by cells that follow the mechanism (T95)."""
+"""Load factors of crushing joints between bounds, by cells that follow the mechanism (T95)."""
 
 from __future__ import annotations
 
@@ -24,25 +24,26 @@ from lacore.reporting.showing import Facts, Picture, Shown, counted
 from lacore.reporting.status import Status
 from lacore.reporting.text import PYTHON
 
-_SHARE = 0.98  # of what the bounds differ by in cells: those with the most of it are cut
-_MECHANISMS = 4  # rounds that cut where mechanisms say; from then on every other halves cells
-_LEAST = 1e-9  # of a cell: a part below it is none
-_HALVINGS = 50  # of where a line cuts off an area: 1e-15 of the cell
+_SHARE = 0.98  # share of the difference of the bounds in the cells that are cut
+# iterations that cut where mechanisms crush; after them every other one halves cells
+_MECHANISMS = 4
+_LEAST = 1e-9  # part of a cell that is negligible
+_HALVINGS = 50  # bisections to place a cut: 1e-15 of the cell
 
 
 @dataclass(frozen=True, repr=False)
 class CrushingBracket(Shown):
     """Bounds of the load factor of joints that crush, with associated friction (T95).
 
-    No Coulomb load factor of these joints is above `high`, either (T14).
+    No Coulomb load factor of these joints exceeds `high` either (T14).
 
     Attributes:
-        status: SOLVED where both bounds are certified; UNSAFE: joints as strong as cells above
-            do not carry the dead loads.
-        low, high: NaN where nothing is certified.
+        status: SOLVED if both bounds are certified; UNSAFE if joints with the larger strengths do
+            not carry the dead loads.
+        low, high: NaN if nothing is certified.
         lower, upper: the states that prove them.
-        problem: with the cells that `low` is of: `lacore.solve` finds Coulomb states with them.
-        rounds: one row a round: cells, low, high.
+        problem: problem with the cells of `low`: `lacore.solve` finds Coulomb states with them.
+        rounds: one row per iteration: cells, low, high.
     """
 
     status: Status
@@ -59,7 +60,7 @@ class CrushingBracket(Shown):
         return (self.high - self.low) / self.high if self.high else nan
 
     def facts(self) -> Facts:
-        """What is proven."""
+        """Return the proven bounds, for printing."""
         told = {
             "status": self.upper.report.summary_for(PYTHON),
             "rounds": f"{counted(len(self.rounds), 'round')}, {self.lower.discretisation.contents}",
@@ -68,7 +69,7 @@ class CrushingBracket(Shown):
         return Facts(title, told)
 
     def picture(self) -> Picture:
-        """The mechanism of the upper bound."""
+        """Return the mechanism of the upper bound."""
         return self.upper.picture()
 
 
@@ -76,16 +77,17 @@ class CrushingBracket(Shown):
 def crushing_bracket(
     problem: Problem, backend: str = "auto", *, target_width: float = 5e-3, rounds: int = 12
 ) -> CrushingBracket:
-    """Bounds of the associated load factor of joints that crush, on cells that are cut (T95).
+    """Compute bounds of the associated load factor of crushing joints, on refined cells (T95).
 
     Args:
-        problem: with blocks in space that have `crushing`; one division is the best to begin with.
-        backend: an exact one.
-        target_width: of ``(high - low)/high``.
-        rounds: at most, of two solves each.
+        problem: problem with three-dimensional blocks that have `crushing`; begin with one
+            division.
+        backend: name of an exact backend.
+        target_width: value of ``(high - low)/high`` at which to stop.
+        rounds: largest number of iterations with two solves each.
 
     Raises:
-        InputError: no blocks that crush, a width that is none.
+        InputError: no blocks that crush, or an invalid width.
 
     Example:
         >>> weak, size = la.Crushing(1e5, divisions=1), (0.4, 0.2, 1.0)
@@ -128,17 +130,18 @@ def crushing_bracket(
             name: replace(law, cells=_finer(bodies[name], name, law, (under, over), halved))
             for name, law in laws.items()
         }
-    assert lower is not None  # of the first round
+    assert lower is not None  # of the first iteration
     assert upper is not None
     status = upper.status
-    if status is Status.SOLVED and lower.status is not status:  # of cells alone, UNSAFE as well
+    # The problem of the cells alone is UNSAFE as well.
+    if status is Status.SOLVED and lower.status is not status:
         status = Status.NOT_CERTIFIED
     known = lower.load_factor, upper.load_factor
     return CrushingBracket(status, *known, lower, upper, kept, pd.DataFrame(rows))
 
 
 def _proven(state: LimitState, otherwise: float) -> float:
-    """Its load factor, if that is certified."""
+    """Return the load factor of a state if it is certified."""
     return otherwise if np.isnan(state.load_factor) else state.load_factor
 
 
@@ -149,13 +152,14 @@ def _finer(
     states: Sequence[LimitState],
     halved: bool,
 ) -> Cells:
-    """Its cells, those cut where mechanisms crush a part of them.
+    """Return the cells of an assembly, cut where mechanisms crush a part of them.
 
     Args:
-        body: an assembly. `name`: of it in its problem.
-        law: what crushes them.
-        states: of uniform pressure in its cells, and of their strength at corners.
-        halved: whether cells are cut in halves, and not where mechanisms say.
+        body: an assembly.
+        name: its name in the problem.
+        law: strength of its joints.
+        states: states with uniform pressure in its cells, and with their strength at corners.
+        halved: whether cells are halved instead of cut where mechanisms crush them.
     """
     own = body.joints.cells
     assert own is not None
@@ -170,8 +174,9 @@ def _finer(
     total = np.cumsum(lacking.max(axis=0)[order])
     marked = np.sort(order[: np.searchsorted(total, _SHARE * total[-1]) + 1])
 
-    # Where: a cell in part at its strength has that part cut off, others what a mechanism closes.
-    assert states[0].point is not None  # as its motion is known
+    # A cell that is partly at its strength has that part cut off; others are cut where a mechanism
+    # closes them.
+    assert states[0].point is not None  # Its motion is known, so there is a point.
     (stress,) = (
         part[:, 0]
         for group, part in zip(
@@ -198,9 +203,10 @@ def _finer(
 def _crushing(
     body: BlockAssembly3D, motion: Floats, own: Cells, axes: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """How fast cells crush at their corners, (k,), and centroids, (c,), m/s; below 0 they do not.
+    """Return the crushing rates of cells at corners, (k,), and centroids, (c,), m/s.
 
-    And its slope at centroids in the axes of their joints, (2, c), 1/s.
+    Rates are positive where cells crush. The third value is the slope of the rate at centroids in
+    the axes of the joints, (2, c), 1/s.
     """
     joints = body.joints
     slope = body.joint_terms[0] + body.joint_terms[2]
@@ -233,13 +239,16 @@ def _split(
     at: Floats,
     share: Floats,
 ) -> Cells:
-    """Cells with marked ones in two, across `way` at the distance `at` from their centroids.
+    """Return the cells, with marked ones cut across `way`.
 
     Args:
-        own: all cells. `axes`: of their joints, (2, 3, c).
+        own: all cells.
+        axes: axes of their joints, (2, 3, c).
         flat: corners from centroids in these axes, (2, k), m.
-        marked: which to cut, ascending. `way`: (2, c). `at`: (c,), m.
-        share: of the area that is cut off ahead, in place of `at`, (c,); NaN where `at` counts.
+        marked: cells to cut, ascending.
+        way: directions, (2, c).
+        at: distances of the cuts from centroids, (c,), m.
+        share: share of the area to cut off ahead, instead of `at`, (c,); NaN to use `at`.
     """
     rim = np.flatnonzero(np.isin(own.cell, marked))
     number = np.searchsorted(marked, own.cell[rim])

@@ -1,7 +1,7 @@
-"""Loads that are the same on all meshes of a bracket: those of the first (T64).
+"""Water loads that are the same on all meshes of a bracket: those of the first mesh (T64).
 
-In an element pressures are linear between its vertices. On a finer mesh those of a function would
-be others, and bounds on different meshes bounds of different problems.
+Pressures are linear between the vertices of an element. On a finer mesh those of a function would
+differ, and bounds on different meshes would be bounds of different problems.
 """
 
 from dataclasses import dataclass, replace
@@ -20,24 +20,24 @@ from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.numerics.arrays import Floats
 from lacore.reporting.showing import Compact
 
-_SAME = 1e-9  # of the largest pressure
+_SAME = 1e-9  # tolerance, by the largest pressure
 
 
 @dataclass(frozen=True, repr=False)
 class Interpolated(Compact):
-    """What is linear in each triangle of a mesh.
+    """Function that is linear in each triangle of a mesh.
 
     Attributes:
         mesh: straight-edged triangles.
-        values: at its vertices, shape (vertices,).
+        values: values at its vertices, shape (vertices,).
     """
 
     mesh: MeshTri
     values: Floats
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at places of shape (2, n) in the mesh, shape (n,)."""
-        corner = self.mesh.p[:, self.mesh.t]  # (2, 3, elements)
+        """Return the values at places of shape (2, n) in the mesh, shape (n,)."""
+        corner = self.mesh.p[:, self.mesh.t]  # shape (2, 3, elements)
         tree = shapely.STRtree(shapely.polygons(corner.transpose(2, 1, 0)))
         inside = tree.nearest(shapely.points(x.T))
         a, b, c = corner[..., inside].swapaxes(0, 1)
@@ -49,7 +49,7 @@ class Interpolated(Compact):
 
 @singledispatch
 def kept(load: Load, body: Body) -> Load:
-    """A load as it is on the mesh of a body, for any mesh of the same domain."""
+    """Return a load as on the mesh of a body, for any mesh of the same domain."""
     return free_of_mesh(load, body)
 
 
@@ -61,7 +61,7 @@ def _kept(load: PorePressure | StandingWater, body: Body) -> Load:
 
 @singledispatch
 def differs(load: Load, body: Body, other: Body) -> bool:
-    """Whether a load is another one on the mesh of the other body, between its vertices."""
+    """Return whether a load differs on the mesh of the other body, between its vertices."""
     return False
 
 
@@ -91,7 +91,7 @@ def _standing(load: StandingWater, body: Body) -> Interpolated:
 
 @singledispatch
 def _places(load: Load, body: Body) -> Floats:
-    """Ends and middles of the edges on which a load acts, shape (2, n)."""
+    """Return the ends and midpoints of the edges on which a load acts, shape (2, n)."""
     raise TypeError(f"no water: {type(load).__name__}")
 
 

@@ -1,4 +1,4 @@
-"""Which elements to refine: shares of an error, and the fewest elements that hold most of it."""
+"""Elements to refine: shares of an error, and the fewest elements with most of it."""
 
 from collections.abc import Iterator
 from typing import TypeVar
@@ -14,19 +14,20 @@ from lacore.program.dissipation import DissipationGroup
 
 T = TypeVar("T")
 
-_LOWER = 0.3  # of all shares: lower bounds may be weak where nothing moves
+_LOWER = 0.3  # share of all, as lower bounds may be weak where nothing moves
 
 
 def upper_shares(bound: UpperBound, body: str) -> Floats:
-    """How far the dissipation of each element is above that of its mean strain rate (T26d).
+    """Return the dissipation of each element in excess of its mean strain rate's (T26d).
 
-    By convexity no less than 0, and the least share of a gap (T26) that any stress constant in the
-    element can leave. Its slip past what holds it is strain like any other. Shape (elements,), in
-    the unit of load factors.
+    By convexity it is at least 0, and the smallest share of a gap (T26) for a constant stress in
+    the element. Slip along supports counts as strain. The shape is (elements,), and the unit that
+    of load factors.
     """
     discretisation = bound.discretisation
     if discretisation.continua[body].body.dimension == 3:
-        return bound.dissipation[body]  # with its jumps: where the mechanism is (T92)
+        # The jumps are included, so it shows where the mechanism is (T92).
+        return bound.dissipation[body]
     groups, point = discretisation.full.groups, bound.state.point
     assert point is not None
     dofs, whole = discretisation.continua[body], bound.dissipation[body]
@@ -54,21 +55,21 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
 
 
 def _mean(values: Floats) -> Floats:
-    """Means of values (e, q) of elements, exactly that of equal ones."""
+    """Return the means of values (e, q) of elements, exact for equal values."""
     return np.asarray(values[:, 0] + (values - values[:, :1]).mean(axis=1))
 
 
 def _of(name: str, parts: Iterator[tuple[str, HasBody, tuple[T, ...]]]) -> tuple[T, ...]:
-    """What belongs to a body."""
+    """Return the parts of a body."""
     return next(own for body, _, own in parts if body == name)
 
 
 def lower_shares(bound: LowerBound, body: str) -> Floats:
-    """The same of the multipliers of a lower bound, in geometric mean with their dissipation.
+    """Return the variation of the multipliers of a lower bound, in geometric mean with dissipation.
 
     Multipliers of equilibrium elements vary in an element where stresses cannot follow; alone they
-    refine too few elements at a time (T26d). In space by their dissipation alone. Shape
-    (elements,), in the unit of load factors.
+    refine too few elements at a time (T26d). In three dimensions only the dissipation is used. The
+    shape is (elements,), and the unit that of load factors.
     """
     assert bound.point is not None
     bodies = bound.model.continua
@@ -90,9 +91,10 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
 
 
 def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int) -> Floats:
-    """How far shear varies in elements, times what they carry at their pressure, (elements,).
+    """Return the variation of shear in elements times their strength, (elements,).
 
-    The dissipation of a soil is linear in its strain rate (T38), and says nothing of it.
+    The strength is that at the pressure of the element. The dissipation of a soil is linear in its
+    strain rate (T38), and does not show this variation.
     """
     weighted = (group.weights[:, None] * rates).reshape(elements, -1, group.dim)
     strength = group.strength_at(mean).reshape(elements, -1).mean(axis=1)
@@ -101,10 +103,10 @@ def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int
 
 
 def shared_shares(upper: UpperBound, lower: LowerBound) -> Floats:
-    """Shares in the gap (T26), with those of the lower bound itself: parts, of all bodies.
+    """Return the shares in the gap (T26), combined with those of the lower bound, of all bodies.
 
-    Where the velocity of the upper bound has no strain the gap has no share, whatever stresses lack
-    there; the multipliers of the lower bound move there.
+    Where the velocity of the upper bound has no strain, the gap has no share, however poor the
+    stresses are; but there the multipliers of the lower bound move.
     """
     gap = np.concatenate(list(gap_identity(upper, lower).elements.values()))
     own = np.concatenate([lower_shares(lower, name) for name in lower.model.continua])

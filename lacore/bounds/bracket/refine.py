@@ -35,16 +35,16 @@ from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
 from lacore.solvers.backend import find_backend, read_options
 
-_LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
-# Of soils: what flows as it cannot is worst in the least element (T45), and multipliers of lower
-# bounds mark the next mesh.
+_LOOSE = 1e-3  # tolerance of solvers by the width; it costs a lower bound 20 times as much
+# In soils inadmissible flow is worst in the smallest element (T45), and multipliers of lower bounds
+# mark the next mesh.
 _PRESSED = {"lower": 1e-4, "upper": 3e-6}
 _LOOSEST = 2e-5
-_LOST = 0.25  # of the next width, what a bound may lose of what its solver found
-_SETTLED = 0.25  # of the target width, what both ends may have left to gain
-_PATIENCE = 4  # refinements in a row that gain nothing
-_NOTHING = 1e-3  # gain, per target width
-_ZERO = 1e-3  # of the target width, per natural load factor: what is no load any more
+_LOST = 0.25  # allowed loss of a bound, by the next width
+_SETTLED = 0.25  # remaining gain, by the target width, at which both sides have converged
+_PATIENCE = 4  # refinements in a row without gain
+_NOTHING = 1e-3  # gain, by the target width, that counts as none
+_ZERO = 1e-3  # load factor, by the target width and the natural one, that counts as zero
 
 
 @typed(lower_mesh="give a skfem.MeshTri, such as a lacore.model.meshes.fan")
@@ -61,44 +61,44 @@ def bracket(
     jobs: int | None = None,
     on_step: Callable[[Step], None] | None = None,
 ) -> Bracket:
-    """A load factor between a strict lower and a strict upper bound, as narrow as asked for.
+    """Compute a strict lower and a strict upper bound, as close as requested.
 
-    With Coulomb friction every Coulomb load factor, of the continuum: the lower bound is one
-    of the problem without that friction, the upper one of that with associated friction (T14), each
-    on a mesh of its own. These two may be apart however fine the meshes; then it ends where what
-    refinement still gains is small.
+    With Coulomb friction they enclose every Coulomb load factor of the continuum: the lower bound
+    is one of the problem without that friction, the upper one of that with associated friction
+    (T14), each on a separate mesh. These two may differ on arbitrarily fine meshes; the refinement
+    then ends when it gains little.
 
-    Meshes are refined by the shares of their elements in the error: a shared one by those in the
-    gap and in the error of the lower bound, separate ones each by its own, the one that leaves more
-    to gain by more. All bounds on the way are proven too (projection, T26c), and the best counts.
-    Elements at corners that a lower bound cannot state are split first.
+    Meshes are refined by the shares of their elements in the error: a shared mesh by the shares in
+    the gap and in the error of the lower bound, separate meshes by their own shares; the mesh with
+    more to gain is refined more. All intermediate bounds are also proven (projection, T26c), and
+    the best ones are returned. Elements at corners without suitable stresses are split first.
 
     Args:
-        problem: deformable bodies in their velocity space ``p2-vertex``, whatever they say
-            themselves, and any rigid blocks in contact with them: vertices of meshes lie where they
-            end. Where two bodies touch, and their edges do not match, elements are divided first
-            (`lacore.matching`); then both sides are refined alike.
-        target_width: of ``(upper - lower)/mean`` to stop at.
-        max_elements: of each mesh.
+        problem: deformable bodies, always with the velocity space ``p2-vertex``, and any rigid
+            blocks in contact with them; meshes have vertices at the ends of blocks. If the edges of
+            two bodies in contact do not match, elements are divided first
+            (`lacore.matching`); then both sides are refined together.
+        target_width: value of ``(upper - lower)/mean`` at which to stop.
+        max_elements: limit for each mesh.
         time_limit: s, wall clock; no solve starts that is expected to end after it.
         backend: name of an exact backend.
-        options: of the backend; a tolerance that is given here is that of all solves, else it
+        options: options of the backend; a tolerance given here is used in all solves, otherwise it
             follows the width.
         meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given, with Coulomb
-            friction, and with friction in the body and singular points of it. Where the mesh of a
-            problem knows nothing of its stresses, a shared one is the better choice.
+            friction, and with friction in the body and singular points of it. A shared mesh is
+            better if the mesh of the problem is not adapted to its stresses.
         lower_mesh: mesh of the same domain to start the lower bound from, such as a
-            `lacore.model.meshes.fan`. None: that of the problem; where meshes are separate, with
-            fans at its singular points.
-        jobs: how many solves at a time, by threads; there are two at most. The bounds are the same
-            whatever it is, unless time runs out. None: as many as there are processors.
+            `lacore.model.meshes.fan`. None: the mesh of the problem, with fans at its singular
+            points if meshes are separate.
+        jobs: number of simultaneous solves in threads, at most two. The bounds do not depend on it
+            unless the time limit is reached. None: the number of processors.
         on_step: called after each solve, for progress.
 
     Raises:
         InputError: a target or a limit that is not positive, limits below the start, slivers, a
-            `lower_mesh` of another domain or of one of several bodies, options that the backend has
-            not; what a lower bound cannot state.
-        CapabilityError: the backend is missing, regularised, or cannot take the problem.
+            `lower_mesh` of another domain or of one of several bodies, unknown options; or features
+            without lower bounds.
+        CapabilityError: the backend is missing, regularised, or does not support the problem.
 
     Example:
         >>> found = la.bracket(la.examples.footing(), target_width=0.05)
@@ -137,7 +137,7 @@ def bracket(
 
 @dataclass
 class _Run:
-    """What was asked for, and what is proven so far."""
+    """Arguments of a bracket, and the bounds that are proven so far."""
 
     bodies: list[str]
     pressure_dependent: bool
@@ -168,12 +168,12 @@ class _Run:
 
     @property
     def size(self) -> float:
-        """Of load factors; inf while none is proven."""
+        """Largest size of the bounds; inf if none is proven."""
         return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b)), default=np.inf)
 
     @property
     def natural(self) -> float:
-        """Load factor by which strength is measured, and with it what solvers leave."""
+        """Natural load factor of the strengths, which scales the residuals of solvers."""
         upper = self.best.get("upper")
         return upper.discretisation.natural.load_factor if isinstance(upper, UpperBound) else 1.0
 
@@ -184,32 +184,32 @@ class _Run:
 
     @property
     def unsigned(self) -> bool:
-        """Whether zero lies between the bounds, as it does about a load factor of zero."""
+        """Whether zero lies between the bounds, as for a load factor of zero."""
         round_off = _NOTHING * self.nothing
         return -np.inf < self.lower <= round_off and np.inf > self.upper >= -round_off
 
     @property
     def crossed(self) -> bool:
-        """Whether the lower bound lies above the upper one: either is wrong."""
+        """Whether the lower bound exceeds the upper one, so that one of them is wrong."""
         lower, upper = self.best.get("lower"), self.best.get("upper")
         if isinstance(lower, LowerBound) and isinstance(upper, UpperBound):
             return bool(crossing(lower, upper))
         return False
 
     def growths(self, tracks: Sequence[Track], open_: Sequence[int]) -> list[float]:
-        """Of the next meshes of those that are open, by the rate at which the width fell so far."""
+        """Return the growth factors of the meshes to refine, by the convergence rate so far."""
         rests = np.array([track.rest for track in tracks])
         apart = 0.0
         if np.all(np.isfinite(rests)) and rests.sum() > 0 and np.isfinite(self.width):
             going = rests[list(open_)].sum()
-            # Two problems, whose load factors differ however fine the meshes are.
+            # These are two problems, whose load factors differ on arbitrarily fine meshes.
             whole = self.upper - self.lower if self.coulomb else rests.sum()
             apart = float(np.clip(1 - going / whole, 0.0, 1.0))
         going_on = [tracks[number] for number in open_]
         return growths(going_on, self.width / self.target, order(self.seen), apart)
 
     def solved(self, moves: Sequence[tuple[Track, Problem]]) -> list[Track]:
-        """The tracks on new meshes; what these prove is kept."""
+        """Return the tracks on new meshes, and keep the bounds that these prove."""
         begin = time.perf_counter()
         before = {kind: proven(bound, np.nan) for kind, bound in self.best.items()}
         times = [mesh_of(new).nelements / track.elements for track, new in moves]
@@ -230,12 +230,13 @@ class _Run:
         return [track.moved(new, last, gained, seconds) for track, new in moves]
 
     def _asked(self, kind: str, problem: Problem, ahead: float) -> RequestedBound:
-        """By the width that it will about prove, which decides how close the solver comes."""
+        """Return the request for a bound, whose tolerance follows the expected width."""
         width = max(ahead, self.target)
         close = self.nothing if self.unsigned else width * self.size
         affordable = _LOST * close
-        width = self.target if self.coulomb else width  # which may stay wide
-        width = min(width, close / self.natural)  # dead loads cancel most of what solvers measure
+        width = self.target if self.coulomb else width
+        # Dead loads cancel most of the power by which solvers measure.
+        width = min(width, close / self.natural)
         share = _PRESSED[kind] if self.pressure_dependent else _LOOSE
         loose = width * share * self.sharper.get(kind, 1.0)
         tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
@@ -251,7 +252,7 @@ class _Run:
         ):
             best = bound
         self.best[kind] = best
-        # Elements that are too few to carry the dead loads, or to flow, are no failure.
+        # Meshes that are too coarse to carry the dead loads, or to flow, are not failures.
         few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
         fails = not (holds or bound.status is few[kind])
         self.failures[kind] = bound.unanswered(self.solver.backend) if fails else None
@@ -260,7 +261,7 @@ class _Run:
         self._tell(kind, bound, mesh_of(asked.problem))
 
     def _ask_whether_any(self, kind: str, problem: Problem) -> None:
-        """Note a bound that no mesh has, by the other side: friction carries, or holds, all."""
+        """Note a bound that no mesh has, if friction alone carries or holds all."""
         if (
             kind == "lower"
             and solve(problem, self.solver.backend, "associated").status is Status.UNSAFE
@@ -286,7 +287,7 @@ class _Run:
         self.rows.append(asdict(step))
 
     def ending(self, tracks: Sequence[Track]) -> Ending | None:
-        """Why it ends, if it does."""
+        """Return the reason to end, if there is one."""
         if self.crossed:
             return Ending.CROSSED
         if any(track.late for track in tracks):
@@ -307,7 +308,7 @@ class _Run:
         return next(ending for ending in order if ending in closed)
 
     def closed(self, track: Track) -> Ending | None:
-        """Why a mesh is not refined any more."""
+        """Return why a mesh is not refined any more."""
         if self.absent.keys() >= set(track.kinds):
             return Ending.NO_BOUND
         if track.too_fine:
@@ -321,7 +322,7 @@ class _Run:
         return Ending.NO_PROGRESS if spent else None
 
     def advanced(self, tracks: Sequence[Track]) -> list[Track]:
-        """Solve on finer meshes; none if the next solve of any would end too late."""
+        """Solve on finer meshes, unless a solve would end too late."""
         after = list(tracks)
         open_ = [number for number, track in enumerate(after) if self.closed(track) is None]
         planned = zip(open_, self.growths(after, open_), strict=True)
@@ -341,7 +342,7 @@ class _Run:
         return after
 
     def found(self, ending: Ending, tracks: Sequence[Track]) -> Bracket:
-        """Return what is proven, and what failed."""
+        """Return the bracket with all proven bounds and failures."""
         lower, upper = self.best["lower"], self.best["upper"]
         assert isinstance(lower, LowerBound)
         assert isinstance(upper, UpperBound)
@@ -376,12 +377,12 @@ class _Run:
             yield Finding(kind, track.kinds, {"elements": track.elements, "why": why})
 
     def refined(self, track: Track, times: float) -> Problem | None:
-        """The problem on the next mesh, of so many times its elements, if that may be."""
+        """Return the problem on the next mesh with `times` as many elements, if it is allowed."""
         finer = grown(track.mesh, self.shares(track), times, self.max_elements)
         return None if finer is None else on_finer(track.problem, finer, self.rows)
 
     def shares(self, track: Track) -> Floats:
-        """Of elements in the error of what was solved last; all the same where nothing was."""
+        """Return the shares of elements in the last error; equal shares if nothing was solved."""
         lower, upper = track.last.get("lower"), track.last.get("upper")
         if proven(lower, np.nan) <= proven(upper, np.nan):
             assert isinstance(lower, LowerBound)
@@ -394,6 +395,6 @@ class _Run:
         return np.ones(track.elements)
 
     def too_late(self, track: Track, finer: Problem) -> bool:
-        """Whether the next solve is expected to end after the limit."""
+        """Return whether the next solve is expected to end after the limit."""
         expected = track.seconds * float(mesh_of(finer).nelements) / track.elements
         return time.perf_counter() + expected > self.solver.deadline

@@ -1,4 +1,4 @@
-"""Whether two meshes cover the same domain: bounds on them are then bounds of one problem."""
+"""Comparison of the domains of two meshes: bounds on equal domains are of one problem."""
 
 import numpy as np
 import shapely
@@ -8,19 +8,19 @@ from lacore.bounds.precision import exactness
 from lacore.model.bodies.continuum.body import Body
 from lacore.numerics.arrays import Floats, Ints
 
-_PLACED = 4  # times exact: coordinates of both, each after an operation or two
+_PLACED = 4  # tolerance of coordinates, in units of precision: both have had one or two operations
 _SHOWN = "{:.6g}"
 
 
 def difference(one: Body, other: Body) -> str:
-    """In words where the domain of the second body, or what it names there, is another one.
+    """Describe where the domain of the second body, or of a name in it, differs.
 
-    Straight edges. Outlines are compared to the precision of coordinates: by the area between
-    them, and by the places of all boundary edges (slits have no area) and of those of every name
-    that both meshes have.
+    Edges are straight. Outlines are compared to the precision of coordinates, by the area between
+    them, and by the places of all boundary edges (slits have no area) and of those of every name in
+    both meshes.
 
     Returns:
-        Why they differ; empty where they do not.
+        Why they differ; empty if they do not.
     """
     near = _PLACED * exactness([one, other])
     origin, size = one.mesh.p.min(axis=1), one.size
@@ -51,7 +51,7 @@ def _lines(mesh: MeshTri, facets: Ints, origin: Floats, size: float) -> shapely.
 
 
 def _elsewhere(one: shapely.MultiLineString, other: shapely.MultiLineString, near: float) -> bool:
-    """Whether lines have other lengths, or ends and middles of edges that are not on both."""
+    """Return whether lines differ in length, or have ends or midpoints that are not on both."""
     if one.is_empty or other.is_empty:
         return bool(one.is_empty != other.is_empty)
     longer = abs(shapely.length(one) - shapely.length(other))

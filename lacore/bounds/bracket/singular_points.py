@@ -1,4 +1,4 @@
-"""Where strain rates may be unbounded, and how finely elements turn around there (T26b)."""
+"""Points with possibly unbounded strain rates, and the number of elements around them (T26b)."""
 
 from functools import singledispatch
 from math import ceil, pi, sqrt
@@ -18,26 +18,28 @@ from lacore.model.meshes.refinement import facets_between
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats, Ints
 
-_STRAIGHT = 1e-6  # rad: round-off of angles
+_STRAIGHT = 1e-6  # rad, round-off of angles
 _ENOUGH = 1.6  # sectors in 180 degrees, times the root of a width: see `sectors_for`
-_RUBBED = 4.7  # what friction costs, per its tangent
-_LOOSE = 1e-3  # of weight per size of a body, what a soil carries that is as good as none
+_RUBBED = 4.7  # increase with friction, by its tangent
+_LOOSE = 1e-3  # cohesion, by weight and size of a body, that is negligible
 
 
 def singular_points(problem: Problem, name: str) -> list[int]:
-    """Vertices of a body where strain rates may be unbounded, see `singular_vertices`."""
+    """Return the vertices of a body with unbounded strain rates, see `singular_vertices`."""
     own = whole(problem)
     number = {vertex: place for place, vertex in enumerate(own.vertices[name].tolist())}
     return sorted(number[v] for v in singular_vertices(problem) if v in number)
 
 
 def singular_vertices(problem: Problem) -> list[int]:
-    """Vertices where strain rates may be unbounded: re-entrant corners, and ends of loads.
+    """Return the vertices with possibly unbounded strain rates.
 
-    Of `whole`, on the boundaries of bodies, of what is bonded as of one: where the interior angle
-    is above 180 degrees, or where loads, supports or interfaces end along a straight line. Not at
-    the end of a free edge of a heavy soil without cohesion: stresses vanish there, and turn as much
-    at any distance.
+    Re-entrant corners and ends of loads.
+
+    They are numbered as in `whole`, on the boundaries of bodies, with bonded bodies as one: where
+    the interior angle is above 180 degrees, or where loads, supports or interfaces end along a
+    straight line. The end of a free edge of a heavy soil without cohesion is not one: stresses
+    vanish there, and turn equally at any distance.
     """
     bonded = whole(problem, bonded=True)
     mesh = bonded.mesh
@@ -72,10 +74,10 @@ def singular_vertices(problem: Problem) -> list[int]:
 
 
 def _conditions(problem: Problem) -> list[list[tuple[str, Ints]]]:
-    """Facets of bodies that have something in common: a support, a load, an interface."""
+    """Return the facets of each body with a common condition: a support, a load, an interface."""
     bodies = continua(problem)
     alike: dict[object, list[tuple[str, Ints]]] = {}
-    # What holds the same components is one support, whichever of bonded bodies it holds.
+    # Supports of the same components count as one, also on different bonded bodies.
     parts = [(own.components, own) for own in problem.supports]
     for key, part in (*parts, *enumerate(problem.loads.values())):
         if part.boundary is not None and part.body in bodies:
@@ -89,26 +91,26 @@ def _conditions(problem: Problem) -> list[list[tuple[str, Ints]]]:
 
 
 def _facets(problem: Problem, joined: Joined, name: str, facets: Ints) -> Ints:
-    """Facets of a body as those of the joined mesh."""
+    """Return the facets of a body as those of the joined mesh."""
     ends = continua(problem)[name].mesh.facets[:, facets]
     return facets_between(joined.mesh, joined.vertices[name][ends])
 
 
 def sectors_for(target_width: float, friction: float = 0.0) -> int:
-    """Sectors in 180 degrees that cost less than half of a relative width.
+    """Return the number of sectors in 180 degrees that cost less than half of a relative width.
 
-    By the punch, of whose load n sectors in 90 degrees cost about ``1/(4 n^2)`` (T26b); with
-    friction 2.6 times as much at 20 degrees, 3.7 times at 30.
+    It follows from the punch, whose load increases by about ``1/(4 n^2)`` with n sectors in 90
+    degrees (T26b); with friction 2.6 times as much at 20 degrees, 3.7 times at 30.
 
     Args:
-        target_width: of the bracket.
+        target_width: width of the bracket.
         friction: tangent of the friction angle of the body.
     """
     return ceil(_ENOUGH * sqrt((1 + _RUBBED * friction) / target_width))
 
 
 def friction_of(body: Body) -> float:
-    """Tangent of the largest friction angle of a body, 0 where strength feels no pressure."""
+    """Return the tangent of the largest friction angle of a body, 0 without friction."""
     surfaces = [one for region in body.regions for one in region.form.surfaces]
     largest = [float(np.max(slope)) for one in surfaces for slope in one.slope]
     slopes = [slope for slope in largest if 0 < slope < 1]
@@ -116,7 +118,7 @@ def friction_of(body: Body) -> float:
 
 
 def _loose(problem: Problem, name: str) -> bool:
-    """Whether a body carries next to nothing along a free edge, by its weight."""
+    """Return whether a body has almost no strength along a free edge, compared with its weight."""
     body = of_kind(problem.bodies, Body)[name]
     weight = sum(_per_volume(load, body) for load in problem.dead_loads if load.body == name)
     carried = [
@@ -130,7 +132,7 @@ def _loose(problem: Problem, name: str) -> bool:
 
 @singledispatch
 def _per_volume(load: Load, body: Body) -> float:
-    """Size of a force per volume, N/m^3; none of what acts on boundaries."""
+    """Return the size of a force per volume, N/m^3; zero for loads on boundaries."""
     return 0.0
 
 
@@ -140,7 +142,7 @@ def _of_volume(load: BodyForce, body: Body) -> float:
 
 
 def _angles(mesh: MeshTri) -> Floats:
-    """Sum of the angles of elements at vertices, shape (vertices,), rad."""
+    """Return the sum of the angles of elements at vertices, shape (vertices,), rad."""
     corner = mesh.p[:, mesh.t]
     after, before = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
     cross = np.abs(after[0] * before[1] - after[1] * before[0])

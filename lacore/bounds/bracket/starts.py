@@ -1,4 +1,4 @@
-"""What a bracket starts from: which problems, on which meshes (T26d)."""
+"""Problems and meshes from which a bracket starts (T26d)."""
 
 from dataclasses import dataclass
 
@@ -30,12 +30,12 @@ from lacore.model.problem.problem import Problem
 from lacore.reporting.errors import InputError, require_known
 
 MESHES = ("separate", "shared")
-_SLIVER = 0.01  # shape of a triangle; below it strain rates lose their digits
+_SLIVER = 0.01  # shape of a triangle below which strain rates lose their digits
 
 
 @dataclass(frozen=True)
 class Start:
-    """A problem on its first mesh, and which bounds of it count: ``lower``, ``upper`` or both."""
+    """Problem on its first mesh, and the bounds to compute on it: ``lower``, ``upper`` or both."""
 
     kinds: tuple[str, ...]
     problem: Problem
@@ -48,7 +48,7 @@ def starts(
     meshes: str | None,
     lower_mesh: MeshTri | None,
 ) -> list[Start]:
-    """The first meshes: arguments as of `lacore.bracket`."""
+    """Return the first meshes; the arguments are those of `lacore.bracket`."""
     if meshes is not None:
         require_known("meshes", meshes, MESHES)
     if lower_mesh is not None and meshes == "shared":
@@ -90,7 +90,7 @@ def starts(
 
 
 def _movable(problem: Problem) -> Problem:
-    """With velocities that jump where continuous ones keep a footing from moving."""
+    """Return the problem with discontinuous velocities if continuous ones would fix a footing."""
     try:
         discretise(problem)
     except HeldFootingError:
@@ -99,7 +99,7 @@ def _movable(problem: Problem) -> Problem:
 
 
 def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
-    """The problem on a mesh of the user, which must be one of the same domain."""
+    """Return the problem on a mesh of the user, which must be one of the same domain."""
     if type(lower_mesh) is not MeshTri:
         raise InputError(
             "lower_mesh",
@@ -137,7 +137,7 @@ def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
 
 
 def _statable(problem: Problem) -> Problem:
-    """With elements split at whose corners loads ask for two shear stresses in one place."""
+    """Return the problem with elements split where loads need two shear stresses at a corner."""
     for _ in continua(problem):
         try:
             static_model(problem)

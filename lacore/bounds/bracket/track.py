@@ -1,4 +1,4 @@
-"""Meshes on their way: what was solved on them, and how much finer the next ones are."""
+"""Meshes during the refinement: their bounds, and the growth of the next ones."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,33 +13,34 @@ from lacore.bounds.bracket.whole import mesh_of, on_mesh, with_jumps
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats
 
-RECENT = 2  # refinements whose gains count
-_LOCKED = 2  # meshes without an upper bound, after which velocities jump
-_SMALL = 0.5  # of the elements of the other mesh: below it a solve costs little
-_GROWTH = 3.4  # of a mesh at most: marks see no further ahead
-_LEAST_GROWTH = 1.2  # below it a solve is not worth its time
-_FAR = 1e6  # times the elements: farther nobody looks
-_ORDERS = (0.7, 2.0)  # of widths in elements: even meshes have 0.45, adapted ones 1.0 to 1.3
-_COST = 1.25  # power of elements with which the time of a solve rises
-_LEAST_REST = 0.1  # of the largest: what any mesh leaves to gain, as bounds rise in steps
-# Of the target, where the last meshes are to land, one or two: a miss takes another round, and two
-# go farther than they are asked to.
+RECENT = 2  # number of refinements whose gains count
+_LOCKED = 2  # number of meshes without an upper bound after which velocities are discontinuous
+_SMALL = 0.5  # elements, by those of the other mesh, below which a solve is cheap
+_GROWTH = 3.4  # largest growth of a mesh: marks of elements hold no further
+_LEAST_GROWTH = 1.2  # growth below which a solve does not pay
+_FAR = 1e6  # largest total growth that is considered
+# limits of the order of widths in elements: uniform meshes have 0.45, adapted ones 1.0 to 1.3
+_ORDERS = (0.7, 2.0)
+_COST = 1.25  # exponent of the time of a solve by its elements
+_LEAST_REST = 0.1  # smallest remaining gain, by the largest, as bounds rise in steps
+# share of the target at which the last one or two meshes aim: a miss takes another iteration, and
+# two meshes overshoot their aim
 _AIM = {1: 0.94, 2: 0.97}
 
 
 @dataclass(frozen=True)
 class Track:
-    """A mesh on its way, and the bounds that are solved on it.
+    """A mesh during the refinement, and the bounds computed on it.
 
     Attributes:
         kinds: ``lower``, ``upper`` or both.
-        problem: on the mesh.
+        problem: problem on the mesh.
         last: bounds on it, by kind.
-        gains: what refinements gained, in the unit of load factors.
-        times: how many times the elements there were after each of them.
-        seconds: of the last solves.
+        gains: gains of the refinements, in the unit of load factors.
+        times: growth of the elements in each of them.
+        seconds: time of the last solves.
         too_fine: whether the next mesh has too many elements.
-        late: elements of the next mesh, of which a solve would end too late; else 0.
+        late: elements of the next mesh if its solve would end too late; else 0.
     """
 
     kinds: tuple[str, ...]
@@ -53,23 +54,26 @@ class Track:
 
     @property
     def mesh(self) -> MeshTri:
-        """Of all bodies, as one."""
+        """Joined mesh of all bodies."""
         return mesh_of(self.problem)
 
     @property
     def elements(self) -> int:
-        """Of the mesh."""
+        """Number of elements of the mesh."""
         return int(self.mesh.nelements)
 
     @property
     def rests(self) -> tuple[float, ...]:
-        """What the last refinements left to gain, if errors fall as elements rise."""
+        """Remaining gains after the last refinements, if errors fall as elements grow."""
         every = zip(self.gains[-RECENT:], self.times[-RECENT:], strict=True)
         return tuple(gain / (times - 1) for gain, times in every)
 
     @property
     def rest(self) -> float:
-        """What is left to gain, the most by the last ones: bounds rise in steps; NaN while new."""
+        """Remaining gain, the largest of the last estimates as bounds rise in steps.
+
+        NaN at first.
+        """
         left = 0.0
         for rest, times in zip(self.rests, self.times[-RECENT:], strict=True):
             left = max(left / times, rest)
@@ -82,7 +86,7 @@ class Track:
         gained: Mapping[str, float],
         seconds: float,
     ) -> "Track":
-        """On the next mesh, with the bounds found there and what they gained."""
+        """Return the track on the next mesh, with the bounds found there and their gains."""
         last = {kind: found[kind] for kind in self.kinds if kind in found}
         gain = sum(gained[kind] for kind in self.kinds)
         gains, times = self.gains, self.times
@@ -99,9 +103,9 @@ def on_finer(problem: Problem, mesh: MeshTri, rows: Sequence[Mapping[str, Any]])
     mesh may merely be too coarse, so that two meshes without an upper bound are required.
 
     Args:
-        problem: on the last mesh.
+        problem: problem on the last mesh.
         mesh: the next one.
-        rows: of the history of a bracket.
+        rows: rows of the history of a bracket.
     """
     solved = [row["solved"] for row in rows if row["bound"] == "upper"]
     locked = len(solved) >= _LOCKED and not np.any(np.isfinite(solved))
@@ -109,12 +113,12 @@ def on_finer(problem: Problem, mesh: MeshTri, rows: Sequence[Mapping[str, Any]])
 
 
 def order(seen: Sequence[tuple[int, float]]) -> float:
-    """At which widths fall as elements rise: half what the last refinements say, half 1.
+    """Return the order at which widths fall with elements: the mean of the last order and 1.
 
-    It changes from one to the next, and tends to 1.
+    The order changes between refinements, and tends to 1.
 
     Args:
-        seen: elements of all meshes and width of the bracket, after each round.
+        seen: elements of all meshes and width of the bracket, after each iteration.
     """
     recent = [(elements, width) for elements, width in seen if np.isfinite(width)][-RECENT - 1 :]
     if not recent or recent[-1][0] <= recent[0][0]:
@@ -126,17 +130,17 @@ def order(seen: Sequence[tuple[int, float]]) -> float:
 def growths(
     tracks: Sequence[Track], missing: float, order: float, apart: float = 0.0
 ) -> list[float]:
-    """Of the next meshes, 1 of those that stay: in even steps to where all land on the target.
+    """Return the growth factors of the next meshes, in even steps towards the target; 1 for none.
 
-    There what meshes leave to gain adds up to the target, and their solves take the least time:
-    ``sum e_k n_k^-p`` is given, ``sum N_k^q n_k^q`` least where ``n_k ~ (e_k/N_k^q)^(1/(p+q))``,
-    for rests e_k, elements N_k and growths n_k.
+    At the target, the remaining gains of the meshes add up to it, and their solves take the least
+    time: ``sum e_k n_k^-p`` is given, and ``sum N_k^q n_k^q`` is smallest where ``n_k ~
+    (e_k/N_k^q)^(1/(p+q))``, for remaining gains e_k, elements N_k and growths n_k.
 
     Args:
-        tracks: those that go on.
-        missing: width of the bracket per that which is asked for; inf while there is none.
+        tracks: tracks to refine.
+        missing: width of the bracket by the requested one; inf if there is none.
         order: p, at which widths fall.
-        apart: part of the width that their refinement does not take away.
+        apart: part of the width that their refinement does not remove.
     """
     rests = np.array([track.rest for track in tracks])
     elements = np.array([track.elements for track in tracks], dtype=float)
@@ -151,7 +155,7 @@ def growths(
     wanted = aim * max(1 - apart * missing, _LEAST_REST)
     shape = (rests / elements**_COST) ** (1 / (order + _COST))
     more, stays = shape, np.zeros(len(tracks), dtype=bool)
-    for _ in tracks:  # those that would become coarser stay, and the others make up for it
+    for _ in tracks:  # Meshes that would become coarser are kept, and the others compensate for it.
         left = max(wanted - rests[stays].sum(), _LEAST_REST * wanted)
         scale = float(np.sum((rests * shape**-order)[~stays])) / left
         more = np.where(stays, 1.0, shape * scale ** (1 / order))
@@ -160,7 +164,10 @@ def growths(
 
 
 def _in_steps(more: Floats) -> list[float]:
-    """Growths on the way to so many times the elements; at least the largest is worth a solve."""
+    """Return the growths of one step towards a total growth.
+
+    The largest one must pay for a solve.
+    """
     steps = max(ceil(log(min(more.max(), _FAR)) / log(_GROWTH)), 1)
     even = np.minimum(more ** (1 / steps), _GROWTH)
     even[np.argmax(even)] = max(even.max(), _LEAST_GROWTH)

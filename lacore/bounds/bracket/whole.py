@@ -1,4 +1,4 @@
-"""The bodies of a problem as one mesh, which is refined: along interfaces both sides alike.
+"""Bodies of a problem as one mesh, in which both sides of interfaces are refined together.
 
 Its elements are those of the bodies, one body after the other.
 """
@@ -26,14 +26,14 @@ from lacore.reporting import terms
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
-_OPENING = {"normal", "xyz"}  # supports that soil slips along, or past which it opens
+_OPENING = {"normal", "xyz"}  # supports along which soil slips, or from which it separates
 
 
 def continua(problem: Problem) -> dict[str, Body]:
-    """The bodies whose meshes are refined; rigid blocks have none.
+    """Return the bodies whose meshes are refined; rigid blocks have none.
 
     Raises:
-        InputError: there is none, or one that has no strict bounds.
+        InputError: there is none, or one without strict bounds.
     """
     rigid = of_kind(problem.bodies, BlockAssembly)
     meshed = {name: body for name, body in problem.bodies.items() if name not in rigid}
@@ -82,18 +82,21 @@ def continua(problem: Problem) -> dict[str, Body]:
 
 
 def whole(problem: Problem, *, bonded: bool = False) -> Joined:
-    """The meshes of its bodies, matching, as one; `bonded`: apart where they are not bonded."""
+    """Return the matching meshes of its bodies as one.
+
+    With `bonded`, vertices are shared only where bodies are bonded.
+    """
     meshes = {name: body.mesh for name, body in continua(problem).items()}
     return joined(meshes, glued(problem, bonded))
 
 
 def mesh_of(problem: Problem) -> MeshTri:
-    """The mesh that is refined."""
+    """Return the mesh that is refined."""
     return whole(problem).mesh
 
 
 def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
-    """The problem with its bodies on what became of `mesh_of`, in the spaces that they have."""
+    """Return the problem with its bodies on a refined `mesh_of`, in their velocity spaces."""
     known = continua(problem)
     finer = {
         name: inheriting.on_mesh(known[name], part, known[name].space)
@@ -103,9 +106,9 @@ def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
 
 
 def in_bounding_spaces(problem: Problem) -> Problem:
-    """The problem with its bodies in the spaces of upper bounds.
+    """Return the problem with its bodies in the velocity spaces of upper bounds.
 
-    What is projected from ``p2-gauss`` is a little closer, and astray where mechanisms are not
+    Bounds projected from ``p2-gauss`` are a little closer, but fail where mechanisms are not
     unique.
     """
     known = continua(problem).items()
@@ -114,17 +117,19 @@ def in_bounding_spaces(problem: Problem) -> Problem:
 
 
 def with_jumps(problem: Problem) -> Problem:
-    """The problem with velocities of its bodies that jump from element to element."""
+    """Return the problem with velocities that are discontinuous between elements."""
     own = {name: replace(body, space="p2-disc") for name, body in continua(problem).items()}
     return replace(problem, bodies={**problem.bodies, **own})
 
 
 def _space(body: Body, name: str, problem: Problem) -> str:
-    """That of upper bounds: in space velocities that jump, the closest by far, where they can.
+    """Return the velocity space of upper bounds of a body.
 
-    Soil that slips opens. What holds it along a face alone, as a twist or an obstacle that it
-    sticks to, leaves it no velocity that is strictly possible (T94). In the plane velocities jump
-    under smooth footings on edges that replace an arc: continuous ones would stick to them.
+    In three dimensions discontinuous velocities give by far the closest bounds, where they are
+    possible. Soil that slips must also separate: if it is held along a face alone, as by a twist or
+    a rough obstacle, no such velocity is strictly admissible (T94). In the plane velocities are
+    discontinuous under smooth footings on edges that replace an arc, as continuous ones would stick
+    to them.
     """
     if body.dimension == 2:
         own = [footing for footing in footings_of(problem) if footing.body == name]
@@ -142,17 +147,17 @@ def _space(body: Body, name: str, problem: Problem) -> str:
 
 
 def elements(problem: Problem, mesh: MeshTri, name: str) -> Ints:
-    """Numbers of the elements of a body in `mesh_of` its problem."""
+    """Return the numbers of the elements of a body in `mesh_of` its problem."""
     return elements_of(mesh, name, single=len(continua(problem)) == 1)
 
 
 def of_all(names: list[str], values: Callable[[str], Floats]) -> Floats:
-    """Values of the elements of all bodies, in the order of `mesh_of`."""
+    """Return the values of the elements of all bodies, in the order of `mesh_of`."""
     return np.concatenate([values(name) for name in names])
 
 
 def with_kept_water(problem: Problem) -> Problem:
-    """The problem with the water that it has on its meshes, whatever mesh comes next."""
+    """Return the problem with the water on its present meshes, for use on other meshes."""
     known = continua(problem)
 
     def held(load: Load) -> Load:

@@ -1,1 +1,1 @@
-"""Quadratic stresses beside the linear ones of lower bounds: what varies in elements (T86)."""
+"""Quadratic stresses of lower bounds for body forces that vary in elements (T86)."""

@@ -1,10 +1,10 @@
-"""Stresses that carry what of body forces is linear in elements: quadratic bubbles (T86).
+"""Quadratic bubble stresses for the linear part of body forces in elements (T86).
 
-In each triangle ``tau = sum c_f lambda_i lambda_j`` over its edges f = ij: zero at the vertices,
-and on f alone the traction ``c_f n lambda_i lambda_j``. The divergence is linear, at vertex i
-``c_ij g_j + c_ik g_k`` with the gradients g of the barycentric coordinates. With tractions the same
-on both sides of edges, and none on boundaries, they carry what is linear of forces, but for what is
-uniform in each element: that is left to linear stresses.
+In each triangle ``tau = sum c_f lambda_i lambda_j`` over its edges f = ij: it is zero at the
+vertices, and its traction on f is ``c_f n lambda_i lambda_j``. The divergence is linear, and at
+vertex i ``c_ij g_j + c_ik g_k`` with the gradients g of the barycentric coordinates. With equal
+tractions on both sides of edges, and none on boundaries, they balance the linear part of forces up
+to a uniform rest in each element, which the linear stresses carry.
 """
 
 from dataclasses import dataclass
@@ -23,12 +23,12 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2]])  # vertices of the local facets of scikit-fem
-_NORMAL = ((0, 2), (2, 1))  # of (xx, yy, xy): what meets n_x and n_y in a traction
-_CHEAP = 0.1  # of a mean stress per shear, where strength feels no pressure
-_SHIFT = 1e-11  # of rows of length 1
+_NORMAL = ((0, 2), (2, 1))  # components of (xx, yy, xy) that multiply n_x and n_y in a traction
+_CHEAP = 0.1  # weight of a mean stress by that of shear, if strength does not depend on pressure
+_SHIFT = 1e-11  # by rows of length 1
 _REFINEMENTS = 8
-_FINISHED = 0.5  # a refinement that leaves more than this has come to round-off
-_NONE = 1e-12  # of the largest force: no linear part
+_FINISHED = 0.5  # A refinement that leaves more than this has reached round-off.
+_NONE = 1e-12  # largest linear part, by the largest force, that counts as zero
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,7 +37,7 @@ class Bubbles(Compact):
 
     Attributes:
         control: c of the edges of each element, (xx, yy, xy), shape (elements, 3, 3), Pa.
-        divergence: at the vertices of each element, N/m^3, shape (2, elements, 3).
+        divergence: divergence at the vertices of each element, N/m^3, shape (2, elements, 3).
     """
 
     control: Floats
@@ -45,31 +45,31 @@ class Bubbles(Compact):
 
     @classmethod
     def none(cls, body: Body) -> "Bubbles":
-        """No stress."""
+        """Return zero stresses."""
         count = body.mesh.nelements
         return cls(np.zeros((count, 3, 3)), np.zeros((2, count, 3)))
 
     @property
     def any(self) -> bool:
-        """Whether there is any."""
+        """Whether any stress is not zero."""
         return bool(self.control.any())
 
     def times(self, factor: float) -> "Bubbles":
-        """All of them times a factor."""
+        """Return all stresses times a factor."""
         return Bubbles(factor * self.control, factor * self.divergence)
 
     def plus(self, other: "Bubbles") -> "Bubbles":
-        """Both together."""
+        """Return the sum of both stresses."""
         return Bubbles(self.control + other.control, self.divergence + other.divergence)
 
     def uses(self, region: Region) -> tuple[Floats, Floats]:
-        """The most that they take of strengths anywhere in elements, Pa, >= 0.
+        """Return the largest use of strengths anywhere in elements, Pa, >= 0.
 
-        What criteria judge is sublinear: beside linear stresses within what is left at the vertices
-        all is within the strength between.
+        The functions of criteria are sublinear: with linear stresses within the remaining strength
+        at the vertices, the sum is within the strength everywhere.
 
         Returns:
-            Of the bound, shape (e,), and of each surface, shape (e, k).
+            Use of the bound, shape (e,), and of each surface, shape (e, k).
         """
         form = region.form
         rows = np.concatenate([form.rows, form.volumes])
@@ -77,7 +77,7 @@ class Bubbles(Compact):
         dim = len(form.rows)
         size, mean = np.linalg.norm(own[..., :dim], axis=2), own[..., dim:]
         bound = _most(size)
-        # What is used depends on slopes alone: strengths that vary need no values here.
+        # The use depends on slopes alone, so strengths that vary need no values here.
         _, surfaces = region.strengths(region.elements, lambda _: np.zeros(len(bound)))
         if surfaces is None:
             return bound, np.zeros((len(bound), 0))
@@ -88,17 +88,18 @@ class Bubbles(Compact):
 
 
 def bubbles(body: Body, forces: Floats, field: str) -> Bubbles:
-    """Quadratic stresses that carry what is linear in the elements of a body.
+    """Return the smallest quadratic stresses for forces that are linear in elements.
 
-    The smallest: what is deviatoric in them counts, mean stress less where no strength feels it.
+    Deviatoric stresses count fully, and mean stresses less if no strength depends on pressure.
 
     Args:
-        body: of straight triangles.
-        forces: at the vertices of each element, linear between, N/m^3, shape (2, elements, 3).
-        field: for messages.
+        body: body of straight triangles.
+        forces: forces at the vertices of each element, linear between, N/m^3, shape (2, elements,
+            3).
+        field: name for messages.
 
     Raises:
-        InputError: a mesh whose edges do not carry the moments of forces.
+        InputError: a mesh whose edges cannot carry the moments of the forces.
     """
     linear = forces - forces.mean(axis=2, keepdims=True)
     if np.abs(linear).max(initial=0.0) <= _NONE * np.abs(forces).max(initial=0.0):
@@ -123,17 +124,17 @@ def bubbles(body: Body, forces: Floats, field: str) -> Bubbles:
 
 
 def bubble_power(own: Bubbles, dofs: BodyDofs, velocity: Floats) -> Floats:
-    """``int tau : eps`` of a velocity in elements, shape (elements,), W/m.
+    """Return ``int tau : eps`` of a velocity in elements, shape (elements,), W/m.
 
-    By parts: tractions do power on the mean of both sides where velocities jump.
+    It is integrated by parts: tractions have power on the mean velocity of both sides of a jump.
 
     Args:
         own: stresses of the body.
-        dofs: of straight triangles.
-        velocity: of all unknowns.
+        dofs: unknowns on straight triangles.
+        velocity: velocity of all unknowns.
     """
     mesh = dofs.body.mesh
-    u = velocity[dofs.dofs][:, dofs.element_nodes]  # (2, nodes of an element, elements)
+    u = velocity[dofs.dofs][:, dofs.element_nodes]  # shape (2, nodes of an element, elements)
     corner, first, last = u[:, :3], u[:, EDGES[:, 0]], u[:, EDGES[:, 1]]
     middle = 2 * u[:, 3:] - (first + last) / 2 if dofs.degree > 1 else (first + last) / 2
     # Bernstein: u = sum corner l_i^2 + sum middle 2 l_i l_j; the divergence is linear.
@@ -149,14 +150,14 @@ def bubble_power(own: Bubbles, dofs: BodyDofs, velocity: Floats) -> Floats:
         for axis in (0, 1):
             np.add.at(total[axis], mesh.t2f[local], along[axis])
     mean = total / (1 + (mesh.f2t[1] >= 0))
-    c = own.control.transpose(2, 1, 0)  # (xx, yy, xy), edges, elements
+    c = own.control.transpose(2, 1, 0)  # shape ((xx, yy, xy), edges, elements)
     traction = np.stack([c[0] * sides[0] + c[2] * sides[1], c[2] * sides[0] + c[1] * sides[1]])
     around = np.sum(traction * mean[:, mesh.t2f], axis=(0, 1))
     return np.asarray(around - area * inside)
 
 
 def _gradients(body: Body) -> Floats:
-    """Gradients of barycentric coordinates, 1/m, shape (2, 3, elements)."""
+    """Return the gradients of barycentric coordinates, 1/m, shape (2, 3, elements)."""
     p = body.mesh.p[:, body.mesh.t]
     after, last = np.roll(p, -1, axis=1), np.roll(p, -2, axis=1)
     along = last - after
@@ -165,7 +166,10 @@ def _gradients(body: Body) -> Floats:
 
 
 def _spread(body: Body) -> Sparse:
-    """Control stresses of (mean, difference, shear), cheap ones large, as a square matrix."""
+    """Return the control stresses of (mean, difference, shear), cheap ones scaled up.
+
+    The result is a square matrix.
+    """
     count = body.mesh.nelements
     pressed = np.zeros(count, dtype=bool)
     for region in body.regions:
@@ -186,7 +190,7 @@ def _spread(body: Body) -> Sparse:
 def _traction(
     elements: Ints, facets: Ints, normal: Floats, sign: Floats, size: int
 ) -> list[Sparse]:
-    """Rows of ``c n`` on local facets of elements, (x, y), each (k, size)."""
+    """Return the rows of ``c n`` on local facets of elements, (x, y), each (k, size)."""
     first = 9 * elements + 3 * facets
     rows = np.arange(elements.size)
     found = []
@@ -199,7 +203,7 @@ def _traction(
 
 
 def _continuity(body: Body) -> Sparse:
-    """Tractions on both sides of edges less each other, of boundaries themselves."""
+    """Return the differences of tractions on both sides of edges, and those of boundaries."""
     mesh = body.mesh
     size = 9 * mesh.nelements
     along = mesh.p[:, mesh.facets[1]] - mesh.p[:, mesh.facets[0]]
@@ -218,7 +222,7 @@ def _continuity(body: Body) -> Sparse:
 
 
 def _divergence(gradients: Floats) -> list[Sparse]:
-    """Rows of the divergence at vertices, vertex after vertex, (x, y), each (3 e, 9 e)."""
+    """Return the rows of the divergence at vertices, vertex by vertex, (x, y), each (3 e, 9 e)."""
     count = gradients.shape[2]
     elements = np.arange(count)
     found = []
@@ -239,7 +243,7 @@ def _divergence(gradients: Floats) -> list[Sparse]:
 
 
 def _less_mean(divergence: list[Sparse]) -> list[Sparse]:
-    """The divergence at the first two vertices less its mean."""
+    """Return the divergence at the first two vertices minus its mean."""
     found = []
     for own in divergence:
         count = own.shape[0] // 3
@@ -250,7 +254,7 @@ def _less_mean(divergence: list[Sparse]) -> list[Sparse]:
 
 
 def _least(rows: Sparse, right: Floats) -> Floats:
-    """The shortest vector with ``rows @ x = right``, to round-off if there is one."""
+    """Return the shortest vector with ``rows @ x = right``, to round-off if there is one."""
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     rows = csr_matrix(diags_array(1 / length) @ rows)
     right = right / length
@@ -270,16 +274,16 @@ def _least(rows: Sparse, right: Floats) -> Floats:
             if done:
                 break
     except SingularError:
-        pass  # what is left tells
+        pass  # The residual shows the result.
     finally:
         solver.close()
     return np.asarray(found)
 
 
 def _most(of_edges: Floats) -> Floats:
-    """Largest value of ``sum F_f lambda_i lambda_j`` in triangles, F >= 0 of edges the last axis.
+    """Return the largest value of ``sum F_f lambda_i lambda_j`` in triangles, F >= 0.
 
-    On an edge, or where it is stationary inside.
+    The last axis of F are the edges. The maximum is on an edge, or stationary inside.
     """
     a, b, c = np.moveaxis(of_edges, -1, 0)
     determinant = 2 * (a * b + b * c + c * a) - a**2 - b**2 - c**2

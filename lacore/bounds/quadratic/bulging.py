@@ -1,4 +1,4 @@
-"""Quadratic stresses beside the linear ones of a lower bound, and what they take of strengths."""
+"""Quadratic stresses in addition to linear ones of a lower bound, and their use of strengths."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,11 +21,11 @@ from lacore.reporting.showing import Compact
 
 @dataclass(frozen=True, repr=False)
 class Bulging(Compact):
-    """Quadratic stresses of body forces that vary in elements, by body; none of others.
+    """Quadratic stresses of body forces that vary in elements, by body; zero for others.
 
     Attributes:
-        reference: per load factor.
-        dead: of dead loads.
+        reference: stresses per load factor.
+        dead: stresses of dead loads.
     """
 
     reference: Mapping[str, Bubbles]
@@ -33,7 +33,7 @@ class Bulging(Compact):
 
     @classmethod
     def of(cls, problem: Problem, bodies: Mapping[str, EquilibriumDofs]) -> "Bulging":
-        """Those of a problem.
+        """Return the quadratic stresses of a problem.
 
         Raises:
             InputError: see `lacore.bounds.quadratic.bubbles.bubbles`.
@@ -46,21 +46,24 @@ class Bulging(Compact):
 
     @property
     def any(self) -> bool:
-        """Whether there are any."""
+        """Whether any stress is not zero."""
         return self.live or any(own.any for own in self.dead.values())
 
     @property
     def live(self) -> bool:
-        """Whether there are some that grow with the load factor."""
+        """Whether some stresses grow with the load factor."""
         return any(own.any for own in self.reference.values())
 
     def at(self, name: str, load_factor: float) -> Bubbles:
-        """Those of a body at a load factor."""
+        """Return the stresses of a body at a load factor."""
         return self.dead[name].plus(self.reference[name].times(load_factor))
 
 
 def lifted(bodies: Mapping[str, EquilibriumDofs], own: Mapping[str, Bubbles], n: int) -> Floats:
-    """Forces on n multipliers that are left of quadratic stresses: uniform in each element, N/m."""
+    """Return the remaining forces of quadratic stresses on n multipliers, N/m.
+
+    They are uniform in each element.
+    """
     total = np.zeros((n // 2 + 1, 2))
     for name, dofs in bodies.items():
         total[dofs.element_nodes] += (dofs.areas * own[name].divergence.mean(axis=2)).T
@@ -73,10 +76,12 @@ def weakened(
     bulging: Bulging,
     load_factor: float,
 ) -> KinematicProgram:
-    """The program with what is left of strengths at any load factor from 0 to one, either sign.
+    """Return the program with reduced strengths for a range of load factors.
+
+    The range is from 0 to a given load factor of either sign.
 
     Raises:
-        InputError: nothing is left somewhere.
+        InputError: no strength remains somewhere.
     """
     groups, first = list(program.groups), 0
     for name, dofs in bodies.items():
@@ -90,7 +95,10 @@ def weakened(
 def _less(
     group: DissipationGroup, body: str, region: Region, stresses: Sequence[Bubbles]
 ) -> DissipationGroup:
-    """With strengths less what stresses take, of each the most: it is convex in the load factor."""
+    """Return the group with strengths reduced by the largest use.
+
+    The use is convex in the load factor, so it is largest at an end of the range.
+    """
     uses = [own.uses(region.weakest) for own in stresses]
     bound, planes = (np.repeat(np.maximum(*both), 3, axis=0) for both in zip(*uses, strict=True))
     surfaces = group.surfaces

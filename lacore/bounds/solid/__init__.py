@@ -1,1 +1,1 @@
-"""Bounds of bodies of tetrahedra: what is theirs alone."""
+"""Bounds of bodies of tetrahedra."""

@@ -1,4 +1,4 @@
-"""Velocities in space as multipliers of equilibrium elements that do the same power (T26, T91)."""
+"""Three-dimensional velocities as multipliers of equilibrium elements of equal power (T26, T91)."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from lacore.model.bodies.continuum.solid.holding import slid_past
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats, Ints
 
-# 3/A int N_a u dA at the corners of a face, from the nodes there: corners, then `SIDES`.
+# 3/A int N_a u dA at the corners of a face, from its nodes: corners, then `SIDES`.
 _LINEAR = (np.ones((3, 3)) + np.eye(3)) / 4
 _QUADRATIC = np.concatenate(
     [
@@ -19,7 +19,7 @@ _QUADRATIC = np.concatenate(
     ],
     axis=1,
 )
-# Means over an element, from its nodes: vertices, then edges.
+# Means over an element from its nodes: vertices, then edges.
 _MEANS = {1: np.full(4, 1 / 4), 2: np.repeat([-1 / 20, 1 / 5], [4, 6])}
 
 
@@ -31,21 +31,22 @@ def solid_restriction(
     problem: Problem,
     speeds: Floats,
 ) -> tuple[Ints, Floats]:
-    """As `lacore.bounds.gap_identity.restriction`: nodes, shape (k,), and velocities, (3, k).
+    """Return nodes, shape (k,), and velocities, (3, k), see `lacore.bounds.gap_identity`.
 
-    Where velocities jump past what holds a face, that of what holds it.
+    As `restriction` there, in three dimensions. Where velocities jump at a support, the velocity of
+    the support is used.
 
     Args:
-        name, dofs, multipliers, velocity: of a body.
-        problem: that it is one of.
-        speeds: of all footings, shape (s,).
+        name, dofs, multipliers, velocity: data of a body.
+        problem: problem of the body.
+        speeds: speeds of all footings, shape (s,).
     """
     mesh = dofs.body.mesh
     u = velocity[dofs.dofs]
     weights = _LINEAR if dofs.degree == 1 else _QUADRATIC
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     every = np.arange(mesh.nfacets)
-    total = _at_corners(dofs, u, weights, every, 0)  # (3, corners, facets)
+    total = _at_corners(dofs, u, weights, every, 0)  # shape (3, corners, facets)
     other = _at_corners(dofs, u, weights, inner, 1)
     total[:, :, inner] = (total[:, :, inner] + other) / 2
     if dofs.space.jumps:

@@ -28,7 +28,10 @@ def face_tractions(
     bodies: Mapping[str, EquilibriumDofs],
     n: int,
 ) -> tuple[ContactRows, ContactPoints]:
-    """Tractions at the corners of faces: linear between, they obey the convex law there too."""
+    """Return the tractions at the corners of faces.
+
+    They are linear between the corners, so the convex law holds there as well.
+    """
     stations = []
     for index, (interface, own) in enumerate(zip(interfaces, touching, strict=True)):
         assert isinstance(own, Faces)
@@ -39,7 +42,7 @@ def face_tractions(
 def _station(
     interface: Interface, faces: Faces, index: int, dofs: EquilibriumDofs, n: int
 ) -> Station:
-    """Three points a face, the first corners of all first."""
+    """Return three points per face, the first corners of all faces first."""
     area, _ = face_geometry(dofs.body.mesh, faces.slave)
     nodes = dofs.facet_nodes(faces.slave).ravel()
     return Station(
@@ -58,10 +61,11 @@ def static_free_basis(
     supports: Sequence[Fix],
     footings: Sequence[Footing],
 ) -> Sparse:
-    """All multipliers and speeds of footings from the free ones, shape (n, free), speeds last.
+    """Return all multipliers and speeds of footings from the free ones, shape (n, free).
 
-    A multiplier of tractions that are linear on a face follows what moves it by the weights of
-    these: at corner a of a face ``(V_a + sum V)/4`` of the velocities V at its corners (T91).
+    Speeds are last. A multiplier of tractions that are linear on a face follows its support by the
+    weights of these: at corner a of a face ``(V_a + sum V)/4`` of the velocities V at its corners
+    (T91).
 
     Raises:
         InputError: a footing that its supports, or another footing, keep from moving.
@@ -72,7 +76,7 @@ def static_free_basis(
         asked = face_conditions(dofs.body, supports, footings, name)
         nodes = dofs.facet_nodes(asked.nodes) - dofs.first_node
         corner = face_corners(dofs.body.mesh, asked.nodes)
-        # Of what is linear over a face the same weights give the motion at each of its corners.
+        # The same weights give the motion at each corner of a face for linear motions.
         own = [
             moved_along(asked.directions, asked.footing, corner[:, end], footings)
             for end in range(3)

@@ -1,1 +1,4 @@
-"""Stresses of a solver made admissible: equilibrium, strengths, friction (T26c)."""
+"""Projection of a solver's stresses onto admissible ones.
+
+Equilibrium, strength, friction (T26c).
+"""

@@ -8,21 +8,22 @@ from lacore.program.dissipation import DissipationGroup
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState
 
-# Margins off all strengths, tried in turn where a state cannot be scaled: what the projection
-# moves, up to 2e-8 measured, or four times the backend's tolerance, and then more.
+# Margins of all strengths, tried in turn if a state cannot be scaled: the change by the projection,
+# measured up to 2e-8, or four times the backend's tolerance, and then more.
 _MARGIN, _WIDER = 1e-7, (1.0, 100.0, 10_000.0)
 _WIDEST = 0.01
-_LENT = (0.05, 0.5)  # of a cohesion that is next to none, lent to a sand (T45)
-# Of friction within a body, per share of all strengths: where pressure carries there is no strength
-# to take it from. A share of 1e-5 costs a footing without cohesion 5e-5 of its load.
+_LENT = (0.05, 0.5)  # share of a negligible cohesion, which is lent to a sand (T45)
+# Reduction of friction within a body, by that of all strengths: where pressure gives the strength,
+# there is no other to reduce. A share of 1e-5 costs a footing without cohesion 5e-5 of its load.
 _RUBBED, _MOST_RUBBED = 10.0, 1e-5
-_NOISE = 1e-9  # of the largest reaction or the mean traction of the loads
-_NOTHING = 1e-9  # load factor, dimensionless: what a solver leaves of zero
-_BELOW = 4 * np.finfo(float).eps  # of its terms: so that a scaled stress is not above by round-off
+_NOISE = 1e-9  # by the largest reaction or the mean traction of the loads
+_NOTHING = 1e-9  # dimensionless load factor that a solver may return for zero
+# tolerance by its terms, so that a scaled stress does not exceed it by round-off
+_BELOW = 4 * np.finfo(float).eps
 
 
 def margins(program: KinematicProgram, tolerance: float) -> list[float]:
-    """Shares to take off all strengths, by a nominal tolerance; none where scaling is enough."""
+    """Return the reductions of all strengths for a nominal tolerance; none if scaling suffices."""
     if not (np.any(program.dead_load) or np.any(program.contact.dilatancy)):
         return [0.0]
     least = max(_MARGIN, 4 * tolerance)
@@ -31,7 +32,7 @@ def margins(program: KinematicProgram, tolerance: float) -> list[float]:
 
 
 def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:
-    """The program with a share taken off all strengths, and of soils a little off friction."""
+    """Return the program with reduced strengths, and slightly reduced friction of soils."""
     contact, left = program.contact, 1 - margin
     return replace(
         program,
@@ -41,7 +42,7 @@ def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:
 
 
 def _less_rubbed(group: DissipationGroup, margin: float) -> DissipationGroup:
-    """With surfaces that open less, about their apex: within them wherever they carry at all."""
+    """Return the group with surfaces about the same apex that are within the original ones."""
     own = group.surfaces
     if own is None:
         return group
@@ -51,7 +52,7 @@ def _less_rubbed(group: DissipationGroup, margin: float) -> DissipationGroup:
 
 
 def lacking(program: KinematicProgram, state: ProgramState) -> float:
-    """Share of its own strength by which a stress is beyond a surface; 0 where none is."""
+    """Return the share of its strength by which a stress exceeds a surface; 0 if none does."""
     lack = 0.0
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
         if group.surfaces is not None and group.weights.size:
@@ -62,7 +63,7 @@ def lacking(program: KinematicProgram, state: ProgramState) -> float:
 
 
 def within_friction(program: KinematicProgram, state: ProgramState, margin: float) -> ProgramState:
-    """Reactions that a solver left just outside their cones moved into them, noise removed."""
+    """Return the state with reactions moved into their cones, and noise removed."""
     rows = program.contact
     forces = abs(state.load_factor) * np.abs(program.reference_load).sum()
     mean = (forces + np.abs(program.dead_load).sum()) / max(rows.weights.sum(), 1.0)
@@ -79,7 +80,10 @@ def within_friction(program: KinematicProgram, state: ProgramState, margin: floa
 
 
 def _terms(program: KinematicProgram, state: ProgramState, use: float) -> float:
-    """What the use of strengths is summed from, per what is used; 1, and of pressed soil more."""
+    """Return the size of the terms in the use of strengths, by that use; at least 1.
+
+    It is larger for pressed soil.
+    """
     most = 1.0
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
         if group.surfaces is not None and group.weights.size:
@@ -91,9 +95,9 @@ def _terms(program: KinematicProgram, state: ProgramState, use: float) -> float:
 
 
 def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
-    """The state as large as yield and limits of friction allow; without dead load only.
+    """Return the state scaled to the limits of yield and friction; only without dead load.
 
-    Where the load factor is round-off of zero, the state without stresses.
+    If the load factor is round-off of zero, the state without stresses is returned.
     """
     contact, limited = program.contact, np.isfinite(program.contact.limit)
     limited &= program.contact.limit > 0

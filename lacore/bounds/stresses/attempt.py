@@ -1,4 +1,4 @@
-"""One solve for a lower bound, and what its stresses prove as they are made admissible (T26c)."""
+"""One solve for a lower bound, and what its stresses prove when made admissible (T26c)."""
 
 import time
 from collections.abc import Iterator
@@ -15,19 +15,20 @@ from lacore.program.kinematic import KinematicProgram, associated_contact
 from lacore.program.state import ProgramState
 from lacore.solvers.backend import InnerSolution
 
-# What scaling may take off a load factor: less than the solve is away from the best one, or this.
+# Allowed loss of a load factor by scaling: less than the distance of the solve from the optimum, or
+# this value.
 _WORTH, _OF_GAP = 1e-6, 0.5
-_AIM = 0.25  # of what stresses exceed strengths by: scaling takes the rest
+_AIM = 0.25  # share of the excess over strengths to remove, as scaling removes the rest
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """One inner solve, and the state that was made of it, in the units of the program.
+    """One inner solve, and the state made from it, in the units of the program.
 
     Attributes:
-        margin: share taken off all strengths.
-        inner: as the backend answered.
-        state: that was made of it; None where there is no point.
+        margin: reduction of all strengths.
+        inner: answer of the backend.
+        state: the state made from it; None if there is no point.
         before, after: certificates of the point and of the state.
         lacks: see `lacore.bounds.stresses.admissible.lacking`.
         projection_time: s, wall clock, certificates included.
@@ -49,7 +50,7 @@ class Attempt:
         return self.after is not None and _proves(self.after, self.exact)
 
     def row(self, scale: float) -> dict[str, Any]:
-        """As a row of the history; load factors in SI units."""
+        """Return a row of the history; load factors in SI units."""
         solved, proven = (
             np.nan if state is None else state.load_factor * scale
             for state in (self.inner.point, self.state if self.proves else None)
@@ -75,12 +76,12 @@ def attempt(
     inner: InnerSolution,
     exact: float,
 ) -> Attempt:
-    """What an answer proves.
+    """Make the state of an answer admissible and certify it.
 
     Args:
-        program: dimensionless.
-        less: the same with strengths less a margin, that was solved.
-        margin: the share.
+        program: dimensionless program.
+        less: the solved program, with strengths reduced by a margin.
+        margin: the reduction.
         inner: the answer.
         exact: residual that counts as zero.
     """
@@ -94,7 +95,7 @@ def attempt(
     point = within_friction(program, inner.point, margin)
 
     def candidates() -> Iterator[ProgramState]:
-        # Reactions may leave their cones as stresses are moved: then those of the projection count.
+        # Reactions may leave their cones as stresses are moved; then those of the projection count.
         for moves in (alike, by_area):
             with onto_equilibrium(program, point, moves) as nearest:
                 projected = nearest(point)

@@ -1,13 +1,13 @@
 """Projection of stresses onto exact equilibrium (T26c).
 
 The nearest stresses in equilibrium, ``min sum (||ds||^2 + dp^2)`` over points, are the stresses
-``ds = w D v, dp = w theta v`` of the velocity v that the forces out of balance drive: one sparse
-solve. Points count alike whatever their weight w: what a solver leaves of nodal forces is alike on
-all elements, and where least weights are left to yield first, least elements pay for the others.
-Where that proves nothing they count by their weights.
-Reactions move too, the less the closer they are to the tip of their cone, so that none leaves it.
-The load factor stays, unless statics alone fixes it. It is floating point, not interval arithmetic:
-"exact" is round-off.
+``ds = w D v, dp = w theta v`` of the velocity v under the unbalanced forces, which takes one sparse
+solve. Points count equally whatever their weight w, because the residual nodal forces of a solver
+are similar on all elements; if the smallest weights yielded first, the smallest elements would take
+the changes of the others. If that proves nothing, points count by their weights. Reactions move
+too, the less the closer they are to the tip of their cone, so that none leaves it. The load factor
+stays unless statics alone determines it. All of this is floating point, not interval arithmetic:
+"exact" means to round-off.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,17 +24,17 @@ from lacore.numerics.symmetric import factorised
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState, out_of_balance
 
-# Multipliers of redundant rows (tractions at a vertex in which facets are in line) have no
-# stiffness; this share of the diagonal lets the factorisation pass, and refinement undoes it.
+# Multipliers of redundant rows (tractions at a vertex whose facets are in line) have no stiffness.
+# This share of the diagonal makes the factorisation possible, and refinement removes its effect.
 _SHIFT = 1e-11
 _REFINEMENTS = 5
-# Of the load factor, dimensionless: far above the stiffness of a body against its load, of order
-# one, far below that of a mode without any, 1/_SHIFT.
+# Stiffness of the load factor, dimensionless: far above that of a body against its load, of order
+# one, and far below that of a mode without stiffness, 1/_SHIFT.
 _STIFF_LOAD = 1e6
-# Of the largest stiffness: no stress feels an unknown below it, such as a smooth footing that moves
-# along its own face; far below what the shift adds.
+# By the largest stiffness: no stress acts on an unknown below it, such as a smooth footing that
+# moves along its face. It is far below the shift.
 _NOTHING = 1e-30
-_FINISHED = 0.5  # a refinement that leaves more than this of the forces has come to round-off
+_FINISHED = 0.5  # A refinement that leaves more than this of the forces has reached round-off.
 
 
 Moves = Callable[[Floats], Floats]
@@ -42,41 +42,44 @@ Moves = Callable[[Floats], Floats]
 
 
 def alike(weights: Floats) -> Floats:
-    """Points count alike in what is least."""
+    """Count points equally in the minimum."""
     return weights
 
 
 def by_area(weights: Floats) -> Floats:
-    """Points count by their weights: least ones move as far as others for the same strain rate.
+    """Count points by their weights: the smallest move as far as others for the same strain rate.
 
-    On slivers of a soil of next to no cohesion that is what leaves stresses within strength.
+    On slivers of a soil with almost no cohesion this keeps stresses within strength.
     """
     return np.ones_like(weights)
 
 
 class Balancing(Protocol):
-    """What moves stresses and reactions into equilibrium."""
+    """Projection of stresses and reactions onto equilibrium."""
 
     def __call__(self, state: ProgramState, refinements: int = _REFINEMENTS) -> ProgramState:
-        """The nearest state in equilibrium, to round-off where refined; else what came closest."""
+        """Return the nearest state in equilibrium, to round-off if refined.
+
+        Else the closest one.
+        """
 
 
 @contextmanager
 def onto_equilibrium(
     program: KinematicProgram, state: ProgramState, moves: Moves
 ) -> Iterator[Balancing]:
-    """Projection of states whose reactions are about those of a state; factorised once.
+    """Yield the projection of states with similar reactions; the matrix is factorised once.
 
     Args:
-        program: dimensionless.
-        state: close to equilibrium, reactions inside their cones.
+        program: dimensionless program.
+        state: state close to equilibrium, with reactions inside their cones.
         moves: how far the stress of a point moves by its weight, `alike` or `by_area`.
     """
     moving = _Moving.of(program, state, moves)
     stiffness = _stiffness(program, moving)
     diagonal = stiffness.diagonal()
     most = float(diagonal.max(initial=0.0)) or 1.0
-    # A block that nothing rubs has no stiffness along its base, and there any scale will do.
+    # A block without friction has no stiffness along its base, where any scale will do.
     scale = 1 / np.sqrt(np.where(diagonal > _NOTHING * most, diagonal, most))
     scaled = csr_matrix(diags_array(scale) @ stiffness @ diags_array(scale))
     matrix = csr_matrix(scaled + _SHIFT * eye_array(program.n, format="csr"))
@@ -84,7 +87,7 @@ def onto_equilibrium(
     try:
         solver = factorised(matrix)
     except SingularError:
-        yield lambda state, refinements=0: state  # what is left out of balance tells
+        yield lambda state, refinements=0: state  # The unbalanced residual shows the result.
         return
 
     def driven(force: Floats) -> Floats:
@@ -117,11 +120,11 @@ def onto_equilibrium(
 
 @dataclass(frozen=True)
 class _Moving:
-    """How far stresses and reactions move, per strain rate and velocity of the points.
+    """Change of stresses and reactions per strain rate and velocity of the points.
 
     Attributes:
-        stress: of each group, shape (m,).
-        normal, tangential: of reactions, shape (m,) and (m tangent_dim,).
+        stress: factors of each group, shape (m,).
+        normal, tangential: factors of reactions, shape (m,) and (m tangent_dim,).
     """
 
     stress: tuple[Floats, ...]
@@ -130,10 +133,10 @@ class _Moving:
 
     @classmethod
     def of(cls, program: KinematicProgram, state: ProgramState, moves: Moves) -> "_Moving":
-        """Reactions in units of how far the largest of them may move.
+        """Return the factors, with reactions in units of the largest possible change.
 
-        What carries a body far stronger than its weight must not be soft beside the body, or its
-        rigid motions drown in the shift.
+        The support of a body that is far stronger than its weight must not be soft compared with
+        the body, or its rigid motions would be lost in the shift.
         """
         weights = [group.weights for group in program.groups]
         mean = float(np.mean(np.concatenate([np.zeros(0), *weights]))) if weights else 1.0
@@ -150,7 +153,7 @@ class _Moving:
     def moved(
         self, program: KinematicProgram, state: ProgramState, velocity: Floats
     ) -> ProgramState:
-        """The state with the stresses of a velocity."""
+        """Return the state with the stresses of a velocity added."""
         contact = program.contact
         slip = (self.tangential * (contact.tangential @ velocity)).reshape(-1, contact.tangent_dim)
         every = tuple(zip(program.groups, self.stress, strict=True))

@@ -1,9 +1,9 @@
-"""Stresses moved back within their strengths, and still in equilibrium (T26c).
+"""Stresses moved back within their strengths, while in equilibrium (T26c).
 
-Half the squared distance from the strengths is smooth and convex on the stresses in equilibrium;
-steps along its gradient are projections onto the one and the other in turn, one solution each with
-the factors that are there. Accelerated (Beck & Teboulle, SIAM J. Imaging Sci. 2, 2009) some forty
-of them bring what projection alone loses on slivers down to a tenth.
+Half the squared distance from the strengths is smooth and convex on the stresses in equilibrium.
+Steps along its gradient are alternating projections onto both, one solution each with the available
+factors. With acceleration (Beck & Teboulle, SIAM J. Imaging Sci. 2, 2009) about forty of them
+reduce the loss of projection alone on slivers to a tenth.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState
 
 _STEPS = 40  # together a sixth of the time of a solve
-_HOPELESS = 0.01  # of strengths: so far beyond them a solver has found nothing
+_HOPELESS = 0.01  # excess, by the strengths, at which a solver has found nothing
 
 
 def within_strength(
@@ -28,16 +28,16 @@ def within_strength(
     worth: float,
     aim: float,
 ) -> ProgramState:
-    """The state that exceeds strengths least, or the first that does by no more than is `worth`.
+    """Return the state with the smallest excess over strengths, or the first below `worth`.
 
     Args:
-        program: dimensionless, with its strengths.
-        inside: the same with those that stresses are moved to, no larger.
-        state: in equilibrium.
-        nearest: projection of it.
-        worth: share of strengths.
-        aim: how far beyond `inside` stresses are left, per share by which they exceed strengths at
-            most: there may be no stress in equilibrium within them.
+        program: dimensionless program with its strengths.
+        inside: program with the strengths to which stresses are moved, no larger.
+        state: state in equilibrium.
+        nearest: projection onto equilibrium.
+        worth: share of strengths at which to stop.
+        aim: how far beyond `inside` stresses are left, by the largest share by which they exceed
+            strengths: there may be no stress in equilibrium within them.
     """
     least = beyond(program, state)
     best = last = ahead = state
@@ -57,13 +57,13 @@ def within_strength(
 
 
 def beyond(program: KinematicProgram, state: ProgramState) -> float:
-    """Share of their strength by which stresses exceed it at most; below 0 where none does."""
+    """Return the largest share by which stresses exceed their strength; below 0 if none does."""
     parts = zip(program.groups, state.stress, state.mean_stress, strict=True)
     return max((group.use(stress, mean) for group, stress, mean in parts), default=0.0) - 1
 
 
 def _returned(program: KinematicProgram, state: ProgramState, times: float) -> ProgramState:
-    """Stresses shortened to so many times what can be carried at their pressure."""
+    """Return the stresses shortened to a multiple of the strength at their pressure."""
     parts = zip(program.groups, state.stress, state.mean_stress, strict=True)
     stresses = []
     for group, stress, mean in parts:
@@ -74,7 +74,7 @@ def _returned(program: KinematicProgram, state: ProgramState, times: float) -> P
 
 
 def _further(state: ProgramState, last: ProgramState, times: float) -> ProgramState:
-    """So many times as far again from the last state."""
+    """Return the extrapolation from the last state by a factor."""
 
     def on(new: Floats, old: Floats) -> Floats:
         return np.asarray(new + times * (new - old))

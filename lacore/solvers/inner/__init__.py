@@ -1,1 +1,1 @@
-"""One inner solve of a program by a backend: in good units, strong bodies as rigid ones first."""
+"""One inner solve by a backend: in scaled units, with strong bodies as rigid ones first."""

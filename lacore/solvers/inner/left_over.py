@@ -1,8 +1,9 @@
-"""What the answer of one solve leaves, also where nothing is turned over.
+"""Residuals of the answer of one solve, also if no power is dissipated.
 
-Residuals of powers are per what is turned over, and where that is nothing they are 0/0: a body that
-moves as it is has the load factor zero, whatever round-off strains it. So powers are measured by a
-little of what could be turned over, where that is more, and flow that is not possible by its rates.
+Residuals of powers are divided by the dissipated power, which is 0/0 without dissipation: a rigid
+motion has the load factor zero, whatever its round-off strains. Powers are therefore divided by a
+small share of the power that could be dissipated if that is larger, and inadmissible flow is
+measured by its rates.
 """
 
 from dataclasses import asdict
@@ -15,13 +16,13 @@ from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 
 _POWERS = ("flow", "slip", "gap", "load")
-_POSSIBLE = ("penetration", "divergence", "normalisation")  # of a velocity alone
-_IDLE = 1e-3  # of what all cones would turn over at the largest speed: a power to be compared with
-_NOTHING = 1e-6  # of that: so little is round-off
+_POSSIBLE = ("penetration", "divergence", "normalisation")  # residuals of a velocity alone
+_IDLE = 1e-3  # scale of powers, by the power that all cones would dissipate at the largest speed
+_NOTHING = 1e-6  # share of it that counts as round-off
 
 
 def dilates_besides(program: KinematicProgram) -> bool:
-    """Whether flow has rates besides its own (T52, S-step): no residual counts their power."""
+    """Return whether flow has prescribed rates (T52, S-step), whose power no residual includes."""
     return any(group.dilates_besides for group in program.groups)
 
 
@@ -35,9 +36,9 @@ def left_over(
     for name in _POWERS:
         found[name] *= share
     if idle(program, point, contact):
-        found["divergence"] = impossible(program, point)  # of soils it is a power
+        found["divergence"] = impossible(program, point)  # For soils it is a power.
         if not np.any(program.dead_load):
-            # No stress at all is in equilibrium: the load factor is between zero and this power.
+            # Zero stress is in equilibrium, so the load factor is between zero and this power.
             found = {name: found[name] for name in _POSSIBLE}
             found["load"] = abs(point.load_factor) / (max(power, least) or 1.0)
     if not np.all(np.isfinite(list(found.values()))):
@@ -49,7 +50,7 @@ def left_over(
 def judged_left(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact, bar: float
 ) -> tuple[str, float]:
-    """As its certificate says, and where that is above a bar by 0/0, as `left_over` does."""
+    """Return the worst residual of the certificate, or of `left_over` if it is 0/0."""
     name, left = certify(program, point, contact).worst
     if not left <= bar and idle(program, point, contact):
         return left_over(program, point, contact)
@@ -57,9 +58,9 @@ def judged_left(
 
 
 def idle(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> bool:
-    """Whether nothing is turned over, but for round-off: per what could be at the load's speed.
+    """Return whether the dissipated power is round-off, by the possible power at the load's speed.
 
-    A mode that no load drives may have any speed.
+    The speed of a mode without load is arbitrary.
     """
     power, least = _powers(program, point, contact)
     fastest = float(np.abs(point.velocity).max(initial=0.0))
@@ -69,29 +70,29 @@ def idle(program: KinematicProgram, point: ProgramState, contact: FrozenContact)
 def _powers(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact
 ) -> tuple[float, float]:
-    """What is turned over, and a little of what could be."""
+    """Return the dissipated power, and a small share of the possible power."""
     velocity, at = point.velocity, program.at_state(point.velocity, point.mean_stress)
     friction = at.friction_dissipation(velocity, contact.bound)
     dead = abs(float(at.dead_load @ velocity))
-    # What certificates measure powers by, but for what dilating friction lifts.
+    # This is the scale of powers in certificates, except for dilatant friction.
     power = at.plastic_dissipation(velocity) + friction + dead
     return power, _IDLE * could_turn_over(program, velocity)
 
 
 def could_turn_over(program: KinematicProgram, velocity: Floats) -> float:
-    """What all cones, and the dead loads, would turn over at the largest speed."""
+    """Return the power of all cones and the dead loads at the largest speed."""
     total = float(np.abs(program.dead_load).sum())
     for group in program.groups:
         squares = np.asarray(group.rows.multiply(group.rows).sum(axis=1)).reshape(-1, group.dim)
         strength = group.bound
-        if group.surfaces is not None:  # of soils each cone has that of its strongest surface
+        if group.surfaces is not None:  # In soils each cone has its strongest surface.
             strength = group.surfaces.strength.max(axis=1)
         total += float((group.weights * strength) @ np.sqrt(squares.sum(axis=1)))
     return total * float(np.abs(velocity).max(initial=0.0))
 
 
 def impossible(program: KinematicProgram, point: ProgramState) -> float:
-    """Largest rate of flow that is not possible, per strain rate, or speed per length of it all."""
+    """Return the largest rate of inadmissible flow, by the strain rate or the speed per length."""
     velocity, groups = point.velocity, program.at_state(point.velocity, point.mean_stress).groups
     area = sum(float(group.weights.sum()) for group in groups)
     scale = float(np.abs(velocity).max(initial=0.0)) / np.sqrt(area or 1.0)

@@ -1,14 +1,15 @@
-"""A program in units of its local speeds, so that what outruns the load is solved as well as it.
+"""A program in units of its local speeds, so that fast parts are solved as accurately as the load.
 
-Sand carries nothing at a free surface, and there the mechanism of a footing runs hundreds of times
-as fast as the footing, the faster the finer the mesh. A solver ends when what it leaves is small
-beside its largest numbers; but a force out of balance, times such a speed, is no small power. In
+Sand has no strength at a free surface, where the mechanism of a footing is hundreds of times as
+fast as the footing, and faster on finer meshes. A solver stops when its residuals are small
+compared with its largest numbers; but an unbalanced force times such a speed is not a small power.
+In
 
     U = s q,   rows of a point per r,   its strengths times r
 
-with s the speed of what moves around each unknown, all q are of order one; and with r the root of
-the size of its weighted rows, what is left of points adds up to less, as those of small elements
-are many. The load factor stays. The units are found by solving, as those of parts are
+s is the speed around each unknown, so all q are of order one, and r is the root of the size of the
+weighted rows of a point, so the many residuals of small elements add up to less. The load factor
+does not change. The units are found by solving, like those of parts
 (`lacore.solvers.inner.rescaling`).
 """
 
@@ -25,18 +26,18 @@ from lacore.solvers.backend import InnerSolution, Prepare, checked_answer
 from lacore.solvers.inner.left_over import dilates_besides
 from lacore.solvers.inner.rescaling import largest_residual, of_both
 
-_LEFT = 10.0  # times what is good enough: what is worth another solve
-_ALIKE = 10.0  # ratio of units to those of the solve before that are as good
-_TRIES = 2  # each gains the digits that the one before has
+_LEFT = 10.0  # residual, by the required one, at which another solve pays
+_ALIKE = 10.0  # ratio of units to those of the last solve below which they are equivalent
+_TRIES = 2  # Each solve gains as many digits as the last one had.
 
 
 @dataclass(frozen=True)
 class LocalUnits:
-    """Units in which a program is written anew: value in the program = unit * value in these.
+    """Units of a scaled program: value in the program = unit * value in these units.
 
     Attributes:
-        unknowns: of each unknown, shape (n,).
-        points: inverse to strain rates of the points of each group, shape (m,) each.
+        unknowns: units of the unknowns, shape (n,).
+        points: inverse units of the strain rates of the points of each group, shape (m,) each.
     """
 
     unknowns: Floats
@@ -44,17 +45,17 @@ class LocalUnits:
 
     @classmethod
     def of(cls, program: KinematicProgram, velocity: Floats) -> "LocalUnits":
-        """Those of a velocity, almost the one that is sought."""
+        """Return the units for a velocity close to the solution."""
         unknowns = local_speeds(program, velocity)
         return cls(unknowns, tuple(_sizes(group, unknowns) for group in program.groups))
 
     def suit(self, other: "LocalUnits") -> bool:
-        """Whether a solver would see much the same numbers in other units."""
+        """Return whether a solver would see similar numbers in other units."""
         ratio = other.unknowns / self.unknowns
         return bool(ratio.max() <= _ALIKE and ratio.min() >= 1 / _ALIKE)
 
     def program(self, program: KinematicProgram) -> KinematicProgram:
-        """The program in these units."""
+        """Return the program in these units."""
         columns = diags_array(self.unknowns)
 
         def group(own: DissipationGroup, units: Floats) -> DissipationGroup:
@@ -81,7 +82,7 @@ class LocalUnits:
         )
 
     def back(self, point: ProgramState) -> ProgramState:
-        """A state in the units of the program."""
+        """Return a state in the units of the program."""
         return replace(
             point,
             velocity=point.velocity * self.unknowns,
@@ -98,7 +99,7 @@ def _cut(rows: Sparse, units: Floats, unknowns: Floats) -> Sparse:
 
 
 def _sizes(group: DissipationGroup, unknowns: Floats) -> Floats:
-    """Roots of the sizes of the weighted rows of points, 1 without rows, shape (m,)."""
+    """Return the roots of the sizes of the weighted rows of points, 1 without rows, shape (m,)."""
     largest = np.zeros(group.weights.size)
     for rows, dim in ((group.rows, group.dim), (group.volumetric, group.volumes)):
         scaled = _cut(rows, np.ones(rows.shape[0]), unknowns)
@@ -109,10 +110,10 @@ def _sizes(group: DissipationGroup, unknowns: Floats) -> Floats:
 
 
 def local_speeds(program: KinematicProgram, velocity: Floats) -> Floats:
-    """Speed of what moves around each unknown, per that of the load, and at least 1, shape (n,).
+    """Return the speed around each unknown, by that of the load, at least 1, shape (n,).
 
-    Of the strain points that an unknown moves the slowest counts: a footing is not as fast as the
-    soil at its edge.
+    The slowest strain point that an unknown moves counts: a footing is slower than the soil at its
+    edge.
     """
     load = 1 / float(np.abs(program.reference_load).sum())
     least = np.full(program.n, np.inf)
@@ -126,20 +127,20 @@ def local_speeds(program: KinematicProgram, velocity: Floats) -> Floats:
 
 
 def _told(program: KinematicProgram) -> bool:
-    """Whether soil presses, and residuals know its flow: not where it is frozen (T52), or inside.
+    """Return whether local units apply: for soil, unless it has prescribed rates.
 
-    Rates that flow has besides (T45) turn over a power that certificates do not count.
+    The power of prescribed rates (T45, T52) is not included in certificates.
     """
     return program.pressure_dependent and not dilates_besides(program)
 
 
 class LocalSpeedSolver:
-    """A prepared solver that is asked again in units of local speeds, if what it leaves is much.
+    """Prepared solver that solves again in units of local speeds if the residual is large.
 
     Args:
-        program: as stated; without pressure, or with rates besides, it is asked as it is.
-        prepare: sets a solver to work on one.
-        good: residual that is good enough.
+        program: the program; without pressure, or with prescribed rates, it is solved as it is.
+        prepare: prepares a solver for a program.
+        good: residual that is sufficient.
     """
 
     def __init__(self, program: KinematicProgram, prepare: Prepare, good: float) -> None:
@@ -148,7 +149,7 @@ class LocalSpeedSolver:
         self._solver = prepare(program)
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """As the backend does; again in better units while they gain."""
+        """Solve with the backend, and again in better units while they gain."""
         best = self._asked(contact)
         if not _told(self._program):
             return best
@@ -180,5 +181,5 @@ class LocalSpeedSolver:
         return replace(answer, point=self._units.back(answer.point))
 
     def close(self) -> None:
-        """Close the solver at work."""
+        """Close the solver."""
         self._solver.close()

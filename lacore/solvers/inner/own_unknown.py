@@ -1,4 +1,4 @@
-"""A program with one more unknown, which touches nothing: what programs of rays and shares need."""
+"""Programs with one more, separate unknown, as needed for rays and shares."""
 
 from dataclasses import replace
 
@@ -15,9 +15,9 @@ def with_own_unknown(
     """Append an unknown that dissipates its size.
 
     Args:
-        program: In any units.
-        name: Of its group, the last one.
-        reference, dead: What the loads do on it.
+        program: Program in any units.
+        name: Name of its group, the last one.
+        reference, dead: Forces of the loads on it.
     """
     n = program.n
 

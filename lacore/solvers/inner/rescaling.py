@@ -1,12 +1,13 @@
-"""A program in units of each of its parts, so that a stone is solved as well as the wall under it.
+"""A program in units of its parts, so that a stone is solved as accurately as the wall under it.
 
-A solver ends when what is left is small beside the largest numbers it sees. Forces of a light
-block are not among these. In units of its own velocity ``s = 1/force`` they are as large as others:
+A solver stops when its residuals are small compared with the largest numbers it sees, which do not
+include the forces of a light block. In units of its velocity ``s = 1/force`` they are as large as
+others:
 
     U = S q,   F0, Fd, bounds, stresses of a part times s,   contact rows per s of the faster part
 
-The units are found by solving: they are made of the loads and reactions of the answer before, and
-made anew only while the residuals by part (`lacore.program.certificate`) ask for it.
+The units are found by solving: they follow from the loads and reactions of the last answer, and are
+renewed only while the residuals by part (`lacore.program.certificate`) require it.
 """
 
 from collections.abc import Sequence
@@ -25,26 +26,27 @@ from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, check
 from lacore.solvers.inner.left_over import dilates_besides, judged_left
 from lacore.solvers.inner.rigid_cleaning import cleaned
 
-GOOD = 1e-8  # residual with which those who state no bar ask for no more
-_SHARE = 0.1  # of the bar: what a solve may leave, the rest is for the loop around it
-_SPREAD = 1e2  # ratio of forces that solvers see as they are; its digits are left to them
-_WIDE = 1e4  # ratio of loads from which units of parts are taken at once
-_BAR = 1e-6  # that of states, where those who ask state none
+GOOD = 1e-8  # required residual by default
+# share of the tolerance for the residual of a solve, which leaves the rest to the loop
+_SHARE = 0.1
+_SPREAD = 1e2  # ratio of forces that is not scaled, as solvers handle it
+_WIDE = 1e4  # ratio of loads above which units of parts are used from the start
+_BAR = 1e-6  # default tolerance of states
 _CLAIMS = (Status.LOCKED, Status.UNSAFE)
-_TRIES = 4  # each gains the digits that the one before has
-_GAIN = 0.5  # of the residual: what units that are kept leave
+_TRIES = 4  # Each solve gains as many digits as the last one had.
+_GAIN = 0.5  # reduction of the residual that units must achieve to be kept
 
 
 @dataclass(frozen=True)
 class PartUnits:
-    """Units in which a program is written anew: value in the program = unit * value in these.
+    """Units of a scaled program: value in the program = unit * value in these units.
 
     Attributes:
-        forces: by which parts are judged, shape (parts,).
-        unknowns: of each unknown, shape (n,): inverse to the force of its part, times `velocity`.
-        groups, points: inverse to the force of the part that a cone or contact point can move
-            fastest, shape (m,) each.
-        velocity: of the fastest in these units; per load factor, too.
+        forces: scale of the forces of each part, shape (parts,).
+        unknowns: units of the unknowns, shape (n,): `velocity` divided by the force of the part.
+        groups, points: inverse force of the fastest part of a cone or contact point, shape (m,)
+            each.
+        velocity: largest velocity in these units; by the load factor, too.
     """
 
     forces: Floats
@@ -55,7 +57,7 @@ class PartUnits:
 
     @classmethod
     def of(cls, program: KinematicProgram, forces: Floats, velocity: Floats | None) -> "PartUnits":
-        """Units for forces of parts, and a velocity if one is known."""
+        """Return the units for forces of parts, and a velocity if one is known."""
         own = (forces.max() / forces)[program.part]
         rows = program.contact
         meeting = _points(rows.tangential, rows.tangent_dim)
@@ -75,13 +77,16 @@ class PartUnits:
         )
 
     def suit(self, other: "PartUnits", speeds: bool = True) -> bool:
-        """Whether a solver would see much the same numbers in other units; of forces alone, too."""
+        """Return whether a solver would see similar numbers in other units.
+
+        Without `speeds`, only the units of forces are compared.
+        """
         ratio = other.forces / self.forces
         faster = other.velocity / self.velocity if speeds else 1.0
         return bool(ratio.max() <= _SPREAD * ratio.min() and 1 / _SPREAD <= faster <= _SPREAD)
 
     def program(self, program: KinematicProgram) -> KinematicProgram:
-        """The program in these units."""
+        """Return the program in these units."""
         rows, fastest = program.contact, self.velocity
         columns = diags_array(self.unknowns / fastest)
 
@@ -117,12 +122,12 @@ class PartUnits:
         )
 
     def contact(self, contact: FrozenContact) -> FrozenContact:
-        """What is frozen, in these units."""
+        """Return a frozen contact in these units."""
         shift = contact.shift / (self.points * self.velocity)
         return FrozenContact(contact.bound * self.points, contact.dilatancy, shift)
 
     def back(self, point: ProgramState) -> ProgramState:
-        """A state in the units of the program."""
+        """Return a state in the units of the program."""
         return ProgramState(
             velocity=point.velocity * self.unknowns,
             load_factor=point.load_factor * self.velocity,
@@ -137,7 +142,7 @@ class PartUnits:
 
 
 def _points(rows: Sparse, dim: int) -> Sparse:
-    """Sizes of the rows of each point or cone together, shape (m, n)."""
+    """Return the sizes of the rows of each point or cone, shape (m, n)."""
     count = rows.shape[0] // dim
     every = np.arange(count * dim)
     pick = csr_matrix((np.ones(every.size), (every // dim, every)), (count, every.size))
@@ -145,7 +150,7 @@ def _points(rows: Sparse, dim: int) -> Sparse:
 
 
 def _largest(units: Floats, *rows: Sparse) -> Floats:
-    """Of the unknowns in each row, 1 in an empty one, shape (m,)."""
+    """Return the largest unit of the unknowns in each row, 1 in an empty one, shape (m,)."""
     result = np.zeros(rows[0].shape[0])
     for part in rows:
         touched = csr_matrix(part).tocoo()
@@ -154,16 +159,16 @@ def _largest(units: Floats, *rows: Sparse) -> Floats:
 
 
 def good_for(bar: float) -> float:
-    """Residual of an inner solve that is good enough where states are judged by a bar."""
+    """Return the required residual of an inner solve for a tolerance of states."""
     return _SHARE * bar
 
 
 def largest_residual(
     program: KinematicProgram, answer: InnerSolution, contact: FrozenContact
 ) -> float:
-    """Of an answer, by the laws that it was asked with; infinite without a point.
+    """Return the largest residual of an answer by the laws of its solve; inf without a point.
 
-    As `proven` judges it: where nothing is turned over, powers are not told per nothing.
+    It is the residual of `proven`: without dissipation, powers have another scale.
     """
     if answer.point is None:
         return np.inf
@@ -172,7 +177,7 @@ def largest_residual(
 
 
 def of_both(answer: InnerSolution, one: InnerSolution, other: InnerSolution) -> InnerSolution:
-    """An answer with the iterations and the time of two solves."""
+    """Return an answer with the iterations and the time of two solves."""
     return replace(
         answer,
         iterations=one.iterations + other.iterations,
@@ -184,10 +189,10 @@ def of_both(answer: InnerSolution, one: InnerSolution, other: InnerSolution) -> 
 def proven(
     program: KinematicProgram, answer: InnerSolution, contact: FrozenContact, good: float
 ) -> InnerSolution:
-    """The answer, "almost solved" where it is called solved and what it leaves is above the bar.
+    """Return the answer, as "almost solved" if its recomputed residual exceeds the tolerance.
 
-    Solvers measure by the largest numbers that they see, and call solved what is out of balance by
-    a percent in a light part. Where flow dilates besides, no residual knows it.
+    Solvers measure by the largest numbers that they see, and may report as solved what is out of
+    balance by a percent in a light part. With prescribed dilation there is no residual to check.
     """
     bar = max(good / _SHARE, _BAR)
     if answer.status is not Status.SOLVED or answer.point is None or dilates_besides(program):
@@ -201,18 +206,18 @@ def proven(
 
 
 class RescalingSolver:
-    """A prepared solver that is asked in units of parts, answering in those of the program.
+    """Prepared solver that scales parts of a program, with answers in its original units.
 
     Args:
-        program: as stated.
-        prepare: sets a solver to work on one.
+        program: the program.
+        prepare: prepares a solver for a program.
         good: residual with which an answer needs no other units.
     """
 
     def __init__(self, program: KinematicProgram, prepare: Prepare, good: float = GOOD) -> None:
         self._program, self._prepare, self._good = program, prepare, good
         self._units: PartUnits | None = None
-        self._refused: list[PartUnits] = []  # that gained nothing
+        self._refused: list[PartUnits] = []  # units that gained nothing
         loads = own_loads(program, 1.0)
         least = float(loads[loads > 0].min(initial=np.inf))
         if loads.max() > _WIDE * least:
@@ -224,10 +229,10 @@ class RescalingSolver:
         return self._prepare(self._program if units is None else units.program(self._program))
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """As the backend does; again in better units while they gain.
+        """Solve with the backend, and again in better units while they gain.
 
-        Units that gain nothing are left again, and no others like them are tried: tall walls of
-        thousands of blocks are solved best as they are, though none of them is to a digit more.
+        Units that gain nothing are dropped, and similar ones are not tried again: tall walls of
+        thousands of blocks are solved best without units, although their residuals remain large.
         """
         best, residual = self._measured(contact)
         claims = best.status in _CLAIMS or (best.status is Status.SOLVED and residual <= _BAR)
@@ -247,7 +252,7 @@ class RescalingSolver:
     def _unscaled(
         self, best: InnerSolution, residual: float, contact: FrozenContact
     ) -> tuple[InnerSolution, float]:
-        """Return the better of an answer and one without units: those of loads may be worse."""
+        """Return the better of an answer and one without units, as units of loads may be worse."""
         self._renew(None)
         plain, found = self._measured(contact)
         gained = found <= residual or (plain.status in _CLAIMS and residual > _BAR)
@@ -256,7 +261,7 @@ class RescalingSolver:
     def _refined(
         self, best: InnerSolution, residual: float, contact: FrozenContact
     ) -> tuple[InnerSolution, float]:
-        """Solve in units of the forces of the answer before, again while these gain."""
+        """Solve in units of the forces of the last answer, repeatedly while these gain."""
         tried = list(self._refused)
         for _ in range(_TRIES):
             better = None if residual <= self._good else self._better_units(best, tried)
@@ -282,11 +287,11 @@ class RescalingSolver:
         return best, residual
 
     def _better_units(self, best: InnerSolution, tried: Sequence[PartUnits]) -> PartUnits | None:
-        """Return units of the forces of an answer; None where known or tried ones suit them."""
+        """Return units of the forces of an answer; None if known or tried ones are similar."""
         if best.point is None:
             return None
         forces = part_forces(self._program, best.point)
-        # Speeds of pressed soil are local ones, and have units of their own.
+        # Speeds of pressed soil are local, and have separate units.
         speeds = not self._program.pressure_dependent
         if forces.size == 1 and not speeds:
             return None
@@ -298,10 +303,10 @@ class RescalingSolver:
     def _paired(
         self, one: InnerSolution, other: InnerSolution, contact: FrozenContact
     ) -> InnerSolution:
-        """The velocity of one answer with the forces of the other, whichever way leaves less.
+        """Return the velocity of one answer with the forces of the other, whichever pair is better.
 
-        In units as stated velocities are possible and light blocks out of balance; in units of
-        their forces these balance, and have velocities that others penetrate.
+        Without units velocities are admissible and light blocks out of balance; in units of their
+        forces these balance, but penetrate others.
         """
         if one.point is None or other.point is None or dilates_besides(self._program):
             return other
@@ -315,12 +320,12 @@ class RescalingSolver:
     def _cleaned(
         self, best: InnerSolution, contact: FrozenContact, residual: float
     ) -> InnerSolution:
-        """With a velocity that is possible, where it is its penetration that is left."""
+        """Return the answer with an admissible velocity if its largest residual is penetration."""
         tried = self._units is not None or self._refused
         if not tried or best.point is None:
             return best
         if certify(self._program, best.point, contact).penetration < residual:
-            return best  # of what else is left no velocity beside it takes much
+            return best  # A different velocity would hardly reduce the other residuals.
         point = cleaned(self._program, best.point, contact)
         if largest_residual(self._program, replace(best, point=point), contact) < residual:
             return replace(best, point=point)
@@ -340,5 +345,5 @@ class RescalingSolver:
         return answer if point is None else replace(answer, point=self._units.back(point))
 
     def close(self) -> None:
-        """Close the solver at work."""
+        """Close the solver."""
         self._solver.close()

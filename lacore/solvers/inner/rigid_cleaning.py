@@ -1,8 +1,8 @@
-"""Velocities of rigid parts moved the least that makes them admissible.
+"""Smallest changes of the velocities of rigid parts that make them admissible.
 
-In units of its own a light block is solved as sharply as a heavy one
-(`lacore.solvers.inner.rescaling`): in power. Its velocity, power per its small force, carries noise
-that is large beside that of others.
+In scaled units the power of a light block is solved as accurately as that of a heavy one
+(`lacore.solvers.inner.rescaling`). Its velocity, power divided by its small force, has an error
+that is large compared with the velocities of others.
 """
 
 from dataclasses import replace
@@ -16,15 +16,15 @@ from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.part_forces import part_forces
 from lacore.program.state import ProgramState
 
-_LIGHTEST = 1e-6  # price of a light part's velocity; a heavy one costs 1
+_LIGHTEST = 1e-6  # cost of changes of a light part's velocity; that of a heavy one is 1
 
 
 def cleaned(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> ProgramState:
-    """The state with a velocity that does not penetrate; unchanged where none is found.
+    """Return the state with a velocity without penetration; unchanged if none is found.
 
-    The least sum of changes, each in the force of its part, subject to ``F0.u = 1``,
-    ``u_n + s >= d |u_t|`` and no slip where that is excluded. Continua keep their velocities. Rows
-    of one tangential direction only (plane problems).
+    It minimises the sum of changes, each times the force of its part, subject to ``F0.u = 1``,
+    ``u_n + s >= d |u_t|`` and no slip where that is excluded. Continua keep their velocities. Only
+    rows of one tangential direction are supported (plane problems).
     """
     rows = program.contact
     size = float(np.abs(point.velocity).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""Motions that strain nothing: of bodies, found from the rows of their strain rates."""
+"""Motions without strain of bodies, found from the rows of their strain rates."""
 
 from collections.abc import Sequence
 
@@ -10,21 +10,24 @@ from scipy.sparse.linalg import splu
 from lacore.numerics.arrays import Ints, Sparse
 from lacore.program.kinematic import DissipationGroup
 
-_SHIFT = 1e-10  # of the stiffness: separates rigid motions from the softest of the others
-_SWEEPS = 4  # of the inverse iteration; each gains as many digits as the shift leaves
-_RIGID = 1e-11  # strain of a rigid motion, per stiffness
+_SHIFT = 1e-10  # shift, by the stiffness, that separates rigid motions from the softest others
+_SWEEPS = 4  # number of inverse iterations, each of which gains the digits of the shift
+_RIGID = 1e-11  # strain of a rigid motion, by the stiffness
 
 
 def motions_without_strain(groups: Sequence[DissipationGroup]) -> Sparse:
-    """Basis of the velocities that strain none of the groups, shape (n, free).
+    """Return a basis of the velocities without strain in any of the groups, shape (n, free).
 
-    Each is of one connected part; unknowns that no group feels are free, a column each.
+    Each is of one connected part; unknowns without a group are free, with one column each.
     """
     return kernel(csr_matrix(vstack([weighted_rows(group) for group in groups])))
 
 
 def kernel(rows: Sparse) -> Sparse:
-    """Basis of the vectors that rows map to zero, shape (n, free), each of one connected part."""
+    """Return a basis of the vectors that rows map to zero, shape (n, free).
+
+    Each vector is of one connected part.
+    """
     n = rows.shape[1]
     stiffness = csr_matrix(rows.T @ rows)
     count, part = connected_components(stiffness, directed=False)
@@ -38,7 +41,7 @@ def kernel(rows: Sparse) -> Sparse:
 
 
 def weighted_rows(group: DissipationGroup) -> Sparse:
-    """Rows of strain and volume times the roots of their weights."""
+    """Return the rows of strain and volume times the roots of their weights."""
     root = np.sqrt(group.weights)
     return csr_matrix(
         vstack(
@@ -51,7 +54,7 @@ def weighted_rows(group: DissipationGroup) -> Sparse:
 
 
 def _motions_of(stiffness: csc_matrix, own: Ints, n: int) -> Sparse:
-    """Those of one part, by inverse iteration on a block that grows until it holds more."""
+    """Return the motions of one part, by inverse iteration on a block of growing size."""
     size = float(stiffness.diagonal().max())
     factor = splu(csc_matrix(stiffness + _SHIFT * size * identity(own.size, format="csc")))
     rng, width = np.random.default_rng(0), min(4, own.size)

@@ -1,10 +1,10 @@
-"""Bodies far too strong to yield, solved as rigid ones, with the proof that they do not yield.
+"""Very strong bodies solved as rigid ones, with a proof that they do not yield.
 
-What limits the load of a steel block on a floor is its weight, 1e-4 of its strength: a solver that
-sees the strength ends long before friction has a digit. The program of the motions that strain no
-strong group is small and sees weights and friction alone. Its load factor, its velocity and its
-reactions are those of the whole program if stresses in equilibrium with them lie within the
-strength; those of an elastic body are, and are recomputed like any others.
+The load of a steel block on a floor is limited by its weight, 1e-4 of its strength: a solver that
+sees the strength stops before friction has a single correct digit. The program of the motions
+without strain in strong groups is small and contains only weights and friction. Its load factor,
+velocity and reactions are those of the whole program if stresses in equilibrium with them lie
+within the strength. The stresses of an elastic body usually do, and are checked like any others.
 """
 
 from dataclasses import dataclass, replace
@@ -29,14 +29,14 @@ from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, check
 from lacore.solvers.inner.rescaling import largest_residual, of_both, proven
 from lacore.solvers.inner.rigid_motions import motions_without_strain, weighted_rows
 
-_STRONG = 1e3  # strength per what else limits the load; below it solvers have digits enough
+_STRONG = 1e3  # strength, by the other limits of the load, below which solvers have enough digits
 _GOOD = 1e-7  # residual of an answer that needs no second solve
 _REFINED = 3
-_PATIENCE = 2  # failures: bodies that do yield are not tried for ever
+_PATIENCE = 2  # number of failures after which bodies that yield are not tried again
 
 
 class StrongBodySolver:
-    """A prepared solver that tries strong bodies as rigid ones first."""
+    """Prepared solver that tries strong bodies as rigid ones first."""
 
     def __init__(self, program: KinematicProgram, prepare: Prepare) -> None:
         self._program, self._prepare = program, prepare
@@ -45,14 +45,14 @@ class StrongBodySolver:
         self._failures = 0
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """As the backend does."""
+        """Solve with strong bodies as rigid ones if possible, else with the backend alone."""
         weak = _weak(self._program, contact)
         strong = np.array(
             [_strength(group) >= _STRONG * weak > 0 for group in self._program.groups]
         )
         if not strong.any() or self._program.hardens or self._failures >= _PATIENCE:
             return self._plain(contact)
-        self.close()  # a process holds one program
+        self.close()  # A process holds one program.
         rigid = self._rigid(strong, weak, contact)
         if (
             rigid.status is Status.UNSAFE
@@ -71,7 +71,7 @@ class StrongBodySolver:
         return self._whole.solve(contact)
 
     def _rigid(self, strong: Bools, weak: float, contact: FrozenContact) -> InnerSolution:
-        """The answer with strong groups rigid, its stresses made elastic."""
+        """Return the answer with strong groups as rigid ones, and with elastic stresses."""
         key = tuple(strong.tolist())
         if key not in self._stiff:
             self._stiff[key] = _Stiff.of(self._program, strong)
@@ -97,27 +97,27 @@ class StrongBodySolver:
 
 
 def _strength(group: DissipationGroup) -> float:
-    """That of a body; what tension opens is never as good as rigid."""
+    """Return the strength of a body; 0 if it depends on pressure, so that it is not rigid."""
     if group.surfaces is not None or not group.weights.size:
         return 0.0
     return float(group.bound.min(initial=np.inf))
 
 
 def _weak(program: KinematicProgram, contact: FrozenContact) -> float:
-    """Stress by which dead loads and friction limit the load, in the units of the program."""
+    """Return the stress of dead loads and friction that limits the load, in the program's units."""
     finite = contact.bound[np.isfinite(contact.bound)]
     return max(float(np.abs(program.dead_load).sum()), float(finite.max(initial=0.0)))
 
 
 @dataclass(frozen=True)
 class _Stiff:
-    """A program whose strong groups do not strain, and the way back.
+    """Program whose strong groups do not strain, and conversion of its states.
 
     Attributes:
         whole: the program.
-        strong: its groups that are rigid.
-        basis: of the motions without strain in them, shape (n, free).
-        program: for these motions, without the strong groups.
+        strong: which of its groups are rigid.
+        basis: motions without strain in them, shape (n, free).
+        program: program of these motions, without the strong groups.
     """
 
     whole: KinematicProgram
@@ -127,7 +127,7 @@ class _Stiff:
 
     @classmethod
     def of(cls, whole: KinematicProgram, strong: Bools) -> "_Stiff":
-        """Rigid motions are found from the rows of the groups."""
+        """Return the program with rigid motions found from the rows of the groups."""
         groups = [group for group, own in zip(whole.groups, strong, strict=True) if own]
         basis = motions_without_strain(groups)
         weak = tuple(group for group, own in zip(whole.groups, strong, strict=True) if not own)
@@ -135,7 +135,7 @@ class _Stiff:
 
     @cached_property
     def _elastic(self) -> tuple[Sparse, csc_matrix]:
-        """Stiffness of the strong groups, and the same bordered by what it does not resist."""
+        """Stiffness of the strong groups, and the same with a border for its free motions."""
         rows = [
             weighted_rows(group)
             for group, own in zip(self.whole.groups, self.strong, strict=True)
@@ -149,7 +149,7 @@ class _Stiff:
         return stiffness, csc_matrix(vstack([upper, lower]))
 
     def lifted(self, point: ProgramState) -> ProgramState:
-        """A state of the whole program: the stresses of strong groups are those of elastic ones."""
+        """Return a state of the whole program, with elastic stresses in strong groups."""
         stresses, means = iter(point.stress), iter(point.mean_stress)
         stress, mean = [], []
         for group, own in zip(self.whole.groups, self.strong, strict=True):
@@ -170,7 +170,7 @@ class _Stiff:
         return replace(state, stress=tuple(stress), mean_stress=tuple(mean))
 
     def _bent(self, force: Floats) -> Floats:
-        """Displacement of an elastic body under forces that are in equilibrium, shape (n,)."""
+        """Return the displacement of an elastic body under balanced forces, shape (n,)."""
         stiffness, bordered = self._elastic
         factor = splu(bordered)
         bent, none = np.zeros(force.size), np.zeros(self.basis.shape[1])
