@@ -104,6 +104,8 @@ class _Sites:
             node = ast.Tuple(elts=node.args[:2])  # what is divided by nothing has no size
         if _is_mark(node):
             node = ast.Tuple(elts=node.args[:1])
+        if not function and _is_series(node):
+            return
         for field, value in ast.iter_fields(node):
             if field in ("annotation", "returns", "decorator_list", "slice", "bases", "defaults"):
                 continue
@@ -183,6 +185,14 @@ def _is_mark(node: ast.AST) -> TypeGuard[ast.Call]:
             func=func, args=[_, ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=1.0))]
         ):
             return _name(func) == "full"
+    return False
+
+
+def _is_series(node: ast.AST) -> bool:
+    """Return whether a node is ``_SHARES = (0.1, 0.2)``, numbers that are tried one by one."""
+    match node:
+        case ast.Assign(targets=[ast.Name()], value=ast.Tuple(elts=parts)):
+            return all(isinstance(own, ast.Constant) for own in parts)
     return False
 
 

@@ -42,6 +42,19 @@ def test_an_exact_state_is_accepted():
     assert not run.free(iterate())
 
 
+def test_the_best_of_proven_iterates_has_the_least_residual():
+    """Whichever came first; what is not proven does not count."""
+    run = run_of()
+    assert run.best_proven() is None
+    exact, wrong = iterate(), iterate(replace(STATE, load_factor=1.01 * STATE.load_factor))
+    close = iterate(replace(STATE, load_factor=(1 + 1e-7) * STATE.load_factor))
+    for order in ([wrong, exact, close], [close, wrong, exact]):
+        run.iterates[:] = order
+        assert run.best_proven() is exact
+    run.iterates[:] = [wrong]
+    assert run.best_proven() is None
+
+
 @pytest.mark.parametrize("name", ["load_factor", "normal_reaction", "velocity"])
 def test_a_state_that_is_off_is_not(name):
     run, wrong = run_of(), replace(STATE, **{name: 1.0001 * getattr(STATE, name)})
@@ -115,6 +128,8 @@ def test_a_motion_that_nothing_resists_is_free(regularised):
     run = run_of(program, regularised)
     assert run.free(iterate(state, program, regularised=values))
     assert run.finish(iterate(state, program, regularised=values)).status is Status.FREE
+    run.iterates.append(iterate(state, program, regularised=values))
+    assert run.best_proven() is None  # a load factor of zero is no answer
     loaded = replace(state, load_factor=1e-3)
     values = RegularisedValues(1e-3, 1e-3, 1e-3, 1e-3) if regularised else None
     assert not run.free(iterate(loaded, program, regularised=values))

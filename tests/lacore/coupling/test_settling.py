@@ -93,3 +93,71 @@ def test_an_exhausted_run_ends(monkeypatch):
     run.exhausted = True
     assert settling._hurried(run, "static") is None
     assert run.k == 1
+
+
+def drifting(monkeypatch, end=None):
+    """A drift whose K- and S-steps are noted; what comes after it is ``after``."""
+    run = Steps(monkeypatch, [2.0], [1.0] * 9, end)
+    run.kinds, run.frozen = [], []
+    plain = run.k_step
+
+    def k_step(own, reactions, static, kind):
+        run.kinds.append(kind)
+        run.frozen.append(float(reactions[0]))
+        return plain(own, reactions, static, kind)
+
+    monkeypatch.setattr(settling, "feasible_k_step", k_step)
+    # Each point presses as much as its number says.
+    monkeypatch.setattr(
+        settling, "pressing", lambda program, point: np.array([float(point[1:] or 0)])
+    )
+    monkeypatch.setattr(settling, "settled", lambda own, static: ("after", static))
+    return run, settling._hurried, settling.drifted(run, "s")
+
+
+def test_a_drift_takes_all_of_its_steps_and_then_settles(monkeypatch):
+    """Undamped steps first, then damped ones; S-steps check now and then, and give the state."""
+    run, _, found = drifting(monkeypatch)
+    assert found == ("after", f"s{len(settling._LOOKS)}")
+    assert run.kinds == ["K"] * settling._UNDAMPED + ["damped K"] * (
+        settling._DRIFT - settling._UNDAMPED
+    )
+    assert run.s == len(settling._LOOKS)
+    changes = [i + 1 for i in range(1, settling._DRIFT) if run.starts[i] != run.starts[i - 1]]
+    assert changes == [look + 1 for look in settling._LOOKS if look < settling._DRIFT]
+
+
+def test_undamped_steps_freeze_the_last_reactions_and_damped_ones_half_of_the_change(monkeypatch):
+    run, *_ = drifting(monkeypatch)
+    undamped = settling._UNDAMPED
+    assert run.frozen[: undamped + 1] == list(map(float, range(undamped + 1)))
+    for k in range(undamped + 1, settling._DRIFT):
+        last = run.frozen[k - 1]
+        assert run.frozen[k] == pytest.approx(last + (k - last) / 2)
+
+
+@pytest.mark.parametrize(("end", "k", "s"), [(("k", 3), 3, 0), (("s", 1), settling._LOOKS[0], 1)])
+def test_a_drift_ends_with_a_step_that_proves(monkeypatch, end, k, s):
+    run, _, found = drifting(monkeypatch, end)
+    assert found.kind == end[0]
+    assert (run.k, run.s) == (k, s)
+
+
+@pytest.mark.parametrize(("accepted", "most"), [(None, None), (1e-4, 3 + settling._ENOUGH)])
+def test_soils_settle_by_s_steps_hurry_and_then_wait(monkeypatch, accepted, most):
+    """Each stage follows where the one before finds nothing; solves count from the first one."""
+    asked, answers = [], {"first": None, "hurry": None, "last": None}
+
+    def alternate(run, static, kind, patience, blend, most, *falls):
+        asked.append((static, patience, most, *falls))
+        return answers["first" if falls else "last"]
+
+    monkeypatch.setattr(settling, "alternate", alternate)
+    monkeypatch.setattr(settling, "_hurried", lambda run, static: answers["hurry"])
+    monkeypatch.setattr(settling, "closest", lambda run, static: "closest")
+    run = SimpleNamespace(iterates=[0, 1, 2], options=SimpleNamespace(accepted=accepted))
+    assert settling.settled(run, "static") is None
+    assert asked == [("static", 0, most, settling._FAST), ("closest", settling._LONG, most)]
+    for stage in ("last", "hurry", "first"):
+        answers[stage] = stage
+        assert settling.settled(run, "static") == stage
