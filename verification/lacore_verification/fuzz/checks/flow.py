@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 import lacore as la
+from lacore.model.bodies.continuum.slip import Slip
 from lacore.numerics.arrays import Floats, Ints
-from lacore_verification.fuzz.checks.power import edges_of, strain_points
+from lacore_verification.fuzz.checks.power import edges_of, on_holders, strain_points
 from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
 
@@ -29,11 +30,13 @@ class Motion:
 
     Attributes:
         body: the body.
+        slip: where it slips past supports and footings; None where it does not.
         factors: of the monomials of local coordinates, (2, terms, cells).
         origin: (2, cells). inverse: from places to local coordinates, (2, 2, cells).
     """
 
     body: la.Body
+    slip: Slip | None
     factors: Floats
     origin: Floats
     inverse: Floats
@@ -85,7 +88,7 @@ def motion_of(state: la.LimitState, name: str) -> Motion:
     terms = np.stack([x**i * y**j for i, j in powers], axis=1).transpose(2, 0, 1)
     values = state.velocity[name][:, nodes]
     factors = np.stack([np.linalg.solve(terms, v.T[:, :, None])[:, :, 0].T for v in values])
-    return Motion(dofs.body, factors, origin, inverse)
+    return Motion(dofs.body, state.discretisation.slips.get(name), factors, origin, inverse)
 
 
 def dissipation_inside(motion: Motion) -> float:
@@ -125,7 +128,7 @@ def check_volume(motion: Motion, stress: Floats, name: str, power: float) -> Ite
 
 
 def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
-    """Power of a load at factor one; of footings see `footing_power`."""
+    """Power of a load on a body at factor one; of footings see `footing_power`."""
     body, kind = motion.body, load["load"]
     if kind == "BodyForce":
         places, weights = in_cells(body.mesh.p, body.mesh.t)
@@ -139,7 +142,10 @@ def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
         if kind == "Pressure":
             density = -load["value"] * np.einsum("cn,cnq->nq", outward, v)
         else:
-            density = np.tensordot(np.array(load["vector"], dtype=float), v, 1)
+            force = np.array(load["vector"], dtype=float)[:, None] - on_holders(
+                body, load, motion.slip
+            )
+            density = np.einsum("cn,cnq->nq", force, v)
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
     return float(np.sum(weights * density))
@@ -152,6 +158,16 @@ def footing_power(motion: Motion, load: Mapping[str, Any], speed: float) -> floa
     if motion.body.axisymmetric:
         length = length * np.pi * (start[0] + end[0])
     return float(load.get("pressure", 1.0) * length.sum() * speed)
+
+
+def power_on_footing(motion: Motion, load: Mapping[str, Any], carried: Mapping[str, Any]) -> float:
+    """Power of a traction at unit speed of the footing past whose face the body slips."""
+    if carried["load"] != "Traction" or carried["where"] != load["where"]:
+        return 0.0
+    start, end, _ = edges_of(motion.body, load["where"])
+    direction = np.array(load["direction"]) / np.hypot(*load["direction"])
+    along = direction @ on_holders(motion.body, carried, motion.slip)
+    return float(along @ np.linalg.norm(end - start, axis=0))
 
 
 def check_footing(

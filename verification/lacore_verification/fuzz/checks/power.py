@@ -2,6 +2,9 @@
 
 For every field of the velocity space the power of the stresses is that of loads, contacts and
 supports. Fields are quadratic (linear where the space is), so each space holds them.
+
+Where a body slips past a support or a footing, a traction along its side acts on the latter: there
+the body gets only the component across the side.
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,6 +14,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
+from lacore.model.bodies.continuum.slip import Slip
 from lacore.numerics.arrays import Floats, Ints
 from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
@@ -115,6 +119,7 @@ def check_power(
         if not isinstance(body, la.Body):
             continue
         own = supports[supports["body"] == name]
+        slip = state.discretisation.slips.get(name)
         for number in range(FIELDS):
             whole = number == 0
             field = rigid_field(rng, body) if whole else random_field(rng, body)
@@ -124,7 +129,7 @@ def check_power(
                 for factor, key in ((state.load_factor, "reference"), (1.0, "dead"))
                 for load in recipe[key]
                 if load["body"] == name
-                for power, most in [_load_power(body, field, load)]
+                for power, most in [_load_power(body, field, load, slip)]
             ]
             at = np.stack([own["x"].to_numpy(), own["y"].to_numpy()])
             v = field.velocity(at)
@@ -183,8 +188,10 @@ def _touch(points: Touches, body: str, field: Field) -> Floats:
     return np.asarray(sign * np.sum(points.force * v, axis=1))
 
 
-def _load_power(body: la.Body, field: Field, load: Mapping[str, Any]) -> tuple[float, float]:
-    """Power of a load at factor one, and what it would be if none of it cancelled.
+def _load_power(
+    body: la.Body, field: Field, load: Mapping[str, Any], slip: Slip | None
+) -> tuple[float, float]:
+    """Power of a load on a body at factor one, and what it would be if none of it cancelled.
 
     That of a footing is in the table of support forces.
     """
@@ -205,11 +212,22 @@ def _load_power(body: la.Body, field: Field, load: Mapping[str, Any]) -> tuple[f
         )
         if kind == "Pressure":
             force = -load["value"] * outward
+        else:
+            force -= on_holders(body, load, slip)
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
     v = field.velocity(places)
     most = np.hypot(*force)[:, None] * np.hypot(*v)
     return float(np.sum(weights * np.einsum("cn,cnq->nq", force, v))), float(np.sum(weights * most))
+
+
+def on_holders(body: la.Body, load: Mapping[str, Any], slip: Slip | None) -> Floats:
+    """Part of a traction that acts on what holds the body, Pa, shape (2, n) on its edges."""
+    _, _, outward = edges_of(body, load["where"])
+    tangent = np.stack([-outward[1], outward[0]])
+    along = tangent * (np.array(load["vector"], dtype=float) @ tangent)
+    slips = np.isin(body.mesh.boundaries[load["where"]], [] if slip is None else slip.facets)
+    return np.where(slips, along, 0.0)
 
 
 def load_size(body: la.Body, load: Mapping[str, Any]) -> float:

@@ -16,6 +16,7 @@ from lacore_verification.fuzz.checks.flow import (
     footing_power,
     load_power,
     motion_of,
+    power_on_footing,
 )
 from lacore_verification.fuzz.checks.frame_checks import check_frames, frame_powers, hinge_power
 from lacore_verification.fuzz.checks.power import check_power, edges_of, load_size, strain_points
@@ -65,13 +66,15 @@ def table_power(recipe: Recipe, state: la.LimitState) -> float:
 def load_powers(
     recipe: Recipe, name: str, motion: Motion, state: la.LimitState
 ) -> tuple[float, float]:
-    """Power of the reference and of the dead loads on a continuum."""
+    """Power of the reference and of the dead loads on a continuum, and on its footing."""
+    own = [load for load in recipe["reference"] if load["load"] == "RigidFooting"]
     live, dead = (
         sum(
             (
                 footing_power(motion, load, footing_speed(state))
                 if load["load"] == "RigidFooting"
                 else load_power(motion, load)
+                + sum(footing_speed(state) * power_on_footing(motion, one, load) for one in own)
                 for load in recipe[key]
                 if load["body"] == name
             ),
@@ -226,5 +229,7 @@ def _check_footing(recipe: Recipe, problem: la.Problem, state: la.LimitState) ->
     direction = np.array(load["direction"]) / np.hypot(*load["direction"])
     force = own[["force_x", "force_y"]].to_numpy()
     asked = state.load_factor * load.get("pressure", 1.0) * length.sum()
+    motion = motion_of(state, load["body"])
+    asked += sum(power_on_footing(motion, load, own) for own in recipe["dead"])
     size = np.hypot(*force.T).sum() + abs(asked)
     yield from beyond("load of a footing", "off by", abs((force @ direction).sum() - asked), size)

@@ -77,8 +77,7 @@ def one_body(rng: Rng, kinematics: str) -> Recipe:
         where = chosen(rng, [loaded, *rest, *sides] if rng.random() < 0.5 else [loaded, *rest])
         where, pressure = str(where), number(rng, 0.1, 0.8)
         own: dict[str, Any] = {"load": "Pressure", "value": pressure}
-        # Where a body slips past what holds it, a traction along the side acts on the latter.
-        if not round_ and rng.random() < 0.3 and where in rest:
+        if not round_ and rng.random() < 0.3:
             own = {"load": "Traction", "vector": vector(rng, pressure)}
         dead.append({"body": "block", "where": where, **own})
     recipe = {
