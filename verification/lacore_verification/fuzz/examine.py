@@ -7,6 +7,7 @@ from typing import Any
 
 import lacore as la
 from lacore_verification.fuzz.checks.block_program import Known, known_of
+from lacore_verification.fuzz.checks.bounds import wrong_bounds, wrong_safety
 from lacore_verification.fuzz.checks.derivatives import is_smooth, wrong_derivatives
 from lacore_verification.fuzz.checks.existence import carries
 from lacore_verification.fuzz.checks.rigid_motions import refuted_words
@@ -14,7 +15,7 @@ from lacore_verification.fuzz.checks.verdict import BAR, Wrong
 from lacore_verification.fuzz.drawn.copies import COPIES, has_coulomb, strengthened, with_law
 from lacore_verification.fuzz.drawn.draw import Rng
 from lacore_verification.fuzz.drawn.paths import examine_path
-from lacore_verification.fuzz.drawn.recipe import Recipe
+from lacore_verification.fuzz.drawn.recipe import Recipe, copied
 from lacore_verification.fuzz.solving import FREE, RecipeResult, SolveSettings, answer, told
 
 _LINEAR = ("blocks", "frame")
@@ -99,9 +100,13 @@ class Examination:
         if self._base.word and self._base.problem is not None and self._base.state is not None:
             yield from refuted_words(self._recipe, self._base.problem, self._base.state.status)
         yield from self._against_associated()
+        if any(
+            "soil" in b or "polar" in b.get("mesh", {}) for b in self._recipe["bodies"].values()
+        ):
+            yield from self._bounds()
         further = [
             *(self._copy, self._frictionless, self._other_backend, self._bounds),
-            *(self._monotony, self._interval, self._derivatives),
+            *(self._monotony, self._interval, self._derivatives, self._safety, self._footing),
         ]
         for place in self._rng.permutation(len(further))[:_EXTRAS]:
             yield from further[int(place)]()
@@ -258,21 +263,34 @@ class Examination:
 
     def _bounds(self) -> Iterator[Wrong]:
         """Equilibrium elements carry no more than what velocities allow."""
-        problem, state = self._base.problem, self._base.state
-        if self._coulomb or problem is None or state is None:
+        if not self._coulomb and self._deformable:
+            yield from wrong_bounds(self._base, self._scale)
+
+    def _safety(self) -> Iterator[Wrong]:
+        """Problems weakened by a safety factor are at collapse."""
+        if self._deformable and (self._base.solved or self._base.word):
+            yield from wrong_safety(self._recipe, self._rng)
+
+    @property
+    def _deformable(self) -> bool:
+        """Whether a body of the recipe is a continuum."""
+        return any(body["kind"] == "continuum" for body in self._recipe["bodies"].values())
+
+    def _footing(self) -> Iterator[Wrong]:
+        """A rough footing carries no less than a smooth one."""
+        other = copied(self._recipe)
+        footings = [load for load in other["reference"] if load["load"] == "RigidFooting"]
+        if self._coulomb or not footings or not self._base.solved:
             return
-        if not any(isinstance(body, la.Body) for body in problem.bodies.values()):
-            return
-        try:
-            lower = la.lower_bound(problem)
-        except (la.InputError, la.CapabilityError):
-            return
-        if lower.rigor is not la.Rigor.LOWER or not isfinite(lower.load_factor):
-            return
-        if self._base.status == la.Status.UNSAFE.label:
-            yield Wrong("word unsafe", f"equilibrium elements carry {lower.load_factor:.6g}")
-        if self._base.solved and state.rigor is la.Rigor.UPPER:
-            yield from self._between(self._base.load_factor, lower.load_factor, inf, "lower bound")
+        rough = footings[0]["rough"]
+        footings[0]["rough"] = not rough
+        found = answer(other, self._rng)
+        if found.wrong is not None:
+            yield replace(found.wrong, check=f"footing, {found.wrong.check}")
+        elif found.solved:
+            low, high = (found.load_factor, inf) if rough else (-inf, found.load_factor)
+            self._scale = max(self._scale, found.scale.power)
+            yield from self._between(self._base.load_factor, low, high, "footing")
 
     def _derivatives(self) -> Iterator[Wrong]:
         """Derivatives agree with solves at neighbouring values, on both sides."""

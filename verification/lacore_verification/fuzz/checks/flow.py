@@ -13,9 +13,11 @@ import numpy as np
 import lacore as la
 from lacore.model.bodies.continuum.slip import Slip
 from lacore.numerics.arrays import Floats, Ints
-from lacore_verification.fuzz.checks.power import edges_of, on_holders, strain_points
+from lacore_verification.fuzz.checks.power import corners_of, edges_of, on_holders, strain_points
 from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
+from lacore_verification.fuzz.checks.soils import plastic_power, sides
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
+from lacore_verification.fuzz.drawn.recipe import Soil, force_density
 
 _POWERS = {
     "p1": ((0, 0), (1, 0), (0, 1)),
@@ -91,10 +93,14 @@ def motion_of(state: la.LimitState, name: str) -> Motion:
     return Motion(dofs.body, state.discretisation.slips.get(name), factors, origin, inverse)
 
 
-def dissipation_inside(motion: Motion) -> float:
-    """Plastic power within elements, without that of velocity jumps."""
+def dissipation_inside(motion: Motion, data: Mapping[str, Any]) -> float:
+    """Plastic power within elements, without that of velocity jumps; `data`: of the body."""
     places, weights = strain_points(motion.body)
     xx, yy, zz, xy = motion.strain_rate(places)
+    if "soil" in data:
+        within = sides(Soil(data), corners_of(motion.body), np.min)
+        density = plastic_power(within, xx + yy, np.hypot(xx - yy, xy))
+        return float(np.sum(weights * density))
     (region,) = motion.body.regions
     k = region.criterion.strength
     if motion.body.kinematics == "plane_strain":
@@ -133,7 +139,7 @@ def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
     if kind == "BodyForce":
         places, weights = in_cells(body.mesh.p, body.mesh.t)
         v = motion.velocity(np.arange(weights.shape[0]), places)
-        density = np.tensordot(np.array(load["vector"], dtype=float), v, 1)
+        density = np.sum(force_density(load, places) * v, axis=0)
     else:
         start, end, outward = edges_of(body, load["where"])
         places, weights = on_edges(start, end)

@@ -18,7 +18,7 @@ from lacore.model.bodies.continuum.slip import Slip
 from lacore.numerics.arrays import Floats, Ints
 from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
-from lacore_verification.fuzz.drawn.recipe import Recipe
+from lacore_verification.fuzz.drawn.recipe import Recipe, force_density
 from lacore_verification.fuzz.drawn.touches import Touches
 
 FIELDS = 4
@@ -181,6 +181,11 @@ def strain_points(body: la.Body) -> tuple[Floats, Floats]:
     return np.asarray(places), np.asarray(weights)
 
 
+def corners_of(body: la.Body) -> Floats:
+    """Corners of all cells, shape (2, cells, 3 or 4)."""
+    return np.asarray(body.mesh.p[:, body.mesh.t].transpose(0, 2, 1))
+
+
 def _touch(points: Touches, body: str, field: Field) -> Floats:
     """Power of the contact forces on a body, by point."""
     sign = points.of((body, ""))
@@ -203,7 +208,7 @@ def _load_power(
         return float(np.array(load["vector"]) @ v), float(np.hypot(*load["vector"]) * np.hypot(*v))
     if kind == "BodyForce":
         places, weights = in_cells(body.mesh.p, body.mesh.t)
-        force = np.repeat(np.array(load["vector"], dtype=float)[:, None], places.shape[1], 1)
+        force = force_density(load, places)
     else:
         start, end, outward = edges_of(body, load["where"])
         places, weights = on_edges(start, end)
@@ -214,11 +219,12 @@ def _load_power(
             force = -load["value"] * outward
         else:
             force -= on_holders(body, load, slip)
+        force = np.repeat(force[:, :, None], places.shape[2], 2)
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
     v = field.velocity(places)
-    most = np.hypot(*force)[:, None] * np.hypot(*v)
-    return float(np.sum(weights * np.einsum("cn,cnq->nq", force, v))), float(np.sum(weights * most))
+    most = np.hypot(*force) * np.hypot(*v)
+    return float(np.sum(weights * np.sum(force * v, axis=0))), float(np.sum(weights * most))
 
 
 def on_holders(body: la.Body, load: Mapping[str, Any], slip: Slip | None) -> Floats:
@@ -241,6 +247,8 @@ def load_size(body: la.Body, load: Mapping[str, Any]) -> float:
         places, weights = on_edges(start, end)
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
+    if load["load"] == "BodyForce":
+        return float(np.sum(weights * np.hypot(*force_density(load, places))))
     density = {"Pressure": "value", "RigidFooting": "pressure"}.get(load["load"])
     size = np.hypot(*load["vector"]) if density is None else abs(load.get(density, 1.0))
     return float(size * weights.sum())

@@ -24,6 +24,8 @@ CLASSES: Mapping[str, Callable[[Rng], Recipe]] = {
     "plane-strain": draw_continua.plane_strain,
     "plane-stress": draw_continua.plane_stress,
     "axisymmetric": draw_continua.axisymmetric,
+    "soils": draw_continua.soils,
+    "arcs": draw_continua.arcs,
     "two-bodies": draw_continua.two_bodies,
     "mixtures": draw_continua.mixtures,
     "frames": draw_frames.frames,

@@ -75,6 +75,8 @@ def _move_load(load: dict[str, Any], motion: Motion) -> None:
             load[name] = motion.vector(load[name])
     if isinstance(load.get("at"), list):
         load["at"] = motion.point(load["at"])
+    if "growth" in load:
+        load["growth"] = [part / motion.length for part in motion.vector(load["growth"])]
     if "where" in load:
         load["where"] = motion.boundary(load["where"])
     length = motion.length
@@ -294,6 +296,28 @@ def has_coulomb(recipe: Recipe) -> bool:
         if body["kind"] == "blocks" and len(body["polygons"]) > 1:
             laws += [body["friction"], *(law for _, _, law in body["joints"])]
     return any(isinstance(law, float | int) for law in laws)
+
+
+def weakened(recipe: Recipe, factor: float, interfaces: bool) -> Recipe:
+    """Every strength divided by a factor, all loads as reference loads."""
+    made = copied(recipe)
+    for body in made["bodies"].values():
+        if "soil" in body:
+            body["soil"]["divisor"] = factor
+        elif "strength" in body:
+            body["strength"] /= factor
+    for pair in made["interfaces"] if interfaces else ():
+        pair["friction"] = _divided(pair["friction"], factor)
+    made["reference"] += made["dead"]
+    made["dead"] = []
+    return made
+
+
+def _divided(law: Any, factor: float) -> Any:
+    """A friction law with its strength divided; one that sticks stays."""
+    if isinstance(law, Mapping):
+        return {kind: value / factor for kind, value in law.items()}
+    return law if isinstance(law, str) else law / factor
 
 
 def strengthened(recipe: Recipe) -> Recipe:

@@ -16,6 +16,7 @@ _SPACES = {
     "axisymmetric": ("p2-gauss", "q2"),
 }
 _PLAIN = [[1.0, 0.0], [0.0, 1.0]]
+_STEEPEST_CHORD = 0.6  # radians: chords of the outer arc stay clear of the inner one
 _FAR = 3  # decades by which strengths and loads may differ
 
 
@@ -144,6 +145,68 @@ def _load(rng: Rng, body: str, side: str, round_: bool) -> dict[str, Any]:
 plane_strain = partial(one_body, kinematics="plane_strain")
 plane_stress = partial(one_body, kinematics="plane_stress")
 axisymmetric = partial(one_body, kinematics="axisymmetric")
+
+
+def soils(rng: Rng) -> Recipe:
+    """A soil whose cohesion, angle, cut-offs and weight all vary, with loads as they come."""
+    recipe = one_body(rng, "plane_strain")
+    block = recipe["bodies"]["block"]
+    if not recipe["supports"] and rng.random() < 0.7:
+        side = recipe["interfaces"].pop(0)["slave"][1]
+        recipe["supports"].append({"body": "block", "where": side, "components": "xy"})
+    if block["space"] == "q2":
+        block["mesh"]["cut"] = "crossed"
+    cut = rng.random() < 0.5
+    # Cut-offs make jumps of velocities refused, and all soils lock with constant strains.
+    block["space"] = chosen(rng, _TRIANGLES[:2] if cut else _TRIANGLES[:4])
+    block["soil"] = {
+        "angle": number(rng, 5.0, 40.0),
+        "tension": chosen(rng, (None, number(rng, 0.05, 1.0))) if cut else None,
+        "crushing": chosen(rng, (None, number(rng, 3.0, 10.0))) if cut else None,
+        "slopes": {name: _slope(rng) for name in ("cohesion", "angle", "tension", "crushing")},
+    }
+    for load in (*recipe["reference"], *recipe["dead"]):
+        if load["load"] == "BodyForce" and rng.random() < 0.7:
+            load.update(growth=_slope(rng), at=[0.0, 0.0])
+    return recipe
+
+
+def _slope(rng: Rng) -> list[float]:
+    """A relative slope, or none, for a body that is at most 2 m long."""
+    if rng.random() < 0.3:
+        return [0.0, 0.0]
+    return [number(rng, -0.2, 0.2), number(rng, -0.2, 0.2)]
+
+
+def arcs(rng: Rng) -> Recipe:
+    """Part of a ring that a rigid pile, smooth or rough, pushes along its inner or outer arc."""
+    inner = number(rng, 0.5, 1.5)
+    body = _continuum(rng, "plane_strain", (inner, inner + number(rng, 0.3, 1.5)), (0.0, 1.0),
+                      chosen(rng, _TRIANGLES[:4]))  # fmt: skip
+    angle = number(rng, 0.5, 3.0)
+    cuts = int(np.ceil(angle / _STEEPEST_CHORD))
+    body["mesh"].update(polar=True, y=[0.0, angle], ny=int(rng.integers(cuts, cuts + 3)))
+    pile, other = ("left", "right") if rng.random() < 0.7 else ("right", "left")
+    supports = [{"body": "block", "where": other, "components": "xy"}]
+    interfaces = []
+    for side in ("bottom", "top"):
+        if rng.random() < 0.4:
+            supports.append({"body": "block", "where": side, "components": "normal"})
+        elif rng.random() < 0.2:
+            interfaces.append(_obstacle(rng, side))
+    dead = []
+    if rng.random() < 0.3:
+        dead.append({"load": "BodyForce", "body": "block", "vector": vector(rng, 0.3)})
+    if rng.random() < 0.3:
+        push = vector(rng, number(rng, 0.1, 0.6))
+        where = chosen(rng, ("top", "bottom", pile, other))
+        dead.append({"load": "Traction", "body": "block", "where": where, "vector": push})
+    reference = [
+        {"load": "RigidFooting", "body": "block", "where": pile, "direction": vector(rng),
+         "rough": bool(rng.random() < 0.5)}
+    ]  # fmt: skip
+    recipe = {"bodies": {"block": body}, "reference": reference, "dead": dead}
+    return _of_any_size(rng, {**recipe, "supports": supports, "interfaces": interfaces})
 
 
 def two_bodies(rng: Rng) -> Recipe:

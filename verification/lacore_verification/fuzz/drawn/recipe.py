@@ -122,12 +122,18 @@ def side_of(data: Sequence[Any], name: str) -> tuple[str, Any]:
 
 def load_of(data: Mapping[str, Any]) -> Any:
     """A load from its class and arguments."""
-    given = {name: value for name, value in data.items() if name != "load"}
+    given = {name: value for name, value in data.items() if name not in ("load", "growth")}
     if "where" in given:
         given["where"] = where_of(given["where"])
     for name in ("vector", "direction", "at"):
         if name in given and not isinstance(given[name], str):
             given[name] = tuple(given[name])
+    if "growth" in data:
+        at = given.pop("at")
+        given["vector"] = tuple(
+            la.Linear(part, tuple(part * slope for slope in data["growth"]), at)
+            for part in given["vector"]
+        )
     require_known("load", data["load"], LOADS)
     return getattr(la, data["load"])(**given)
 
@@ -136,9 +142,11 @@ def body_of(data: Mapping[str, Any]) -> Any:
     """A body: a continuum on a mapped rectangle, blocks, or a frame."""
     if data["kind"] == "continuum":
         strength, slope = data["strength"], data.get("hardening")
-        metal = la.VonMises(shear_strength=strength)
+        metal: Any = la.VonMises(shear_strength=strength)
         if slope is not None:
             metal = la.VonMises(hardening=la.hardening.Linear(sqrt(3) * strength, slope))
+        if "soil" in data:
+            metal = Soil(data).criterion
         return la.Body(
             mesh_of(data["mesh"]),
             metal,
@@ -156,8 +164,70 @@ def body_of(data: Mapping[str, Any]) -> Any:
     )
 
 
+@dataclass(frozen=True)
+class Soil:
+    """A soil whose cohesion, friction angle and cut-offs vary linearly over its body.
+
+    Attributes:
+        data: of the body. ``strength`` is its cohesion; ``soil`` has the ``angle``, in degrees, and
+            the cut-offs ``tension`` and ``crushing`` per cohesion, None for none; ``slopes``, by
+            name, of each relative to its value; ``divisor`` of all strengths.
+    """
+
+    data: Mapping[str, Any]
+
+    @property
+    def criterion(self) -> la.MohrCoulomb:
+        """The criterion of the body."""
+        soil = self.data["soil"]
+        angle: Any = self._linear("angle")
+        divisor = soil.get("divisor", 1.0)
+        if divisor != 1.0:
+            steepest = float(np.hypot(*angle.gradient)) * max(1.0, 1 / divisor)
+            angle = la.Field(lambda places: self.at("angle", places), steepest or None)
+        cuts = {
+            name: None if soil[name] is None else self._linear(name)
+            for name in ("tension", "crushing")
+        }
+        return la.MohrCoulomb(
+            self._linear("cohesion"),
+            angle,
+            tension_cutoff=cuts["tension"],
+            crushing=cuts["crushing"],
+        )
+
+    def at(self, name: str, places: Floats) -> Floats:
+        """Cohesion, angle in degrees or a cut-off, Pa, at places (2, ...)."""
+        flat: Floats = np.asarray(self._linear(name)(places.reshape(2, -1)))
+        values: Floats = flat.reshape(places.shape[1:])
+        divisor = self.data["soil"].get("divisor", 1.0)
+        if name != "angle" or divisor == 1.0:
+            return values
+        return np.asarray(np.degrees(np.arctan(np.tan(np.radians(values)) / divisor)))
+
+    def _linear(self, name: str) -> la.Linear:
+        """A strength, divided, or the angle as stated."""
+        soil, mesh = self.data["soil"], self.data["mesh"]
+        value = soil["angle"]
+        if name != "angle":
+            share = 1.0 if name == "cohesion" else soil[name]
+            value = share * self.data["strength"] / soil.get("divisor", 1.0)
+        slope = np.linalg.solve(np.array(mesh["map"]).T, soil["slopes"][name])
+        return la.Linear(value, tuple(value * slope), tuple(mesh["shift"]))
+
+
+def force_density(load: Mapping[str, Any], places: Floats) -> Floats:
+    """A body force at places (2, cells, q), N/m^3, of the same shape."""
+    growth, at = (np.array(load.get(name, (0.0, 0.0)), dtype=float) for name in ("growth", "at"))
+    factor = 1 + np.tensordot(growth, places - at[:, None, None], 1)
+    return np.asarray(np.array(load["vector"], dtype=float)[:, None, None] * factor)
+
+
 def mesh_of(data: Mapping[str, Any]) -> MeshTri | MeshQuad:
-    """A mesh of a rectangle, its points mapped by ``map`` (2, 2) and ``shift``."""
+    """A mesh of a rectangle, its points mapped by ``map`` (2, 2) and ``shift``.
+
+    If ``polar`` is set, x and y of the rectangle are radii and angles.
+    """
     x, y = tuple(data["x"]), tuple(data["y"])
     if data["cut"] == "quads":
         mesh: Any = la.meshes.quadrilaterals(x, y, data["nx"], data["ny"])
@@ -165,7 +235,10 @@ def mesh_of(data: Mapping[str, Any]) -> MeshTri | MeshQuad:
         mesh = la.meshes.rectangle(x, y, data["nx"], data["ny"], crossed=data["cut"] == "crossed")
     matrix, shift = np.array(data["map"]), np.reshape(data["shift"], (2, 1))
     boundaries = dict(mesh.boundaries)
-    points, cells = matrix @ mesh.p + shift, mesh.t
+    points, cells = mesh.p, mesh.t
+    if data.get("polar"):
+        points = points[0] * np.stack([np.cos(points[1]), np.sin(points[1])])
+    points = matrix @ points + shift
     if np.linalg.det(matrix) > 0:
         made = type(mesh)(points, cells)
     else:  # a mirror turns the sense of each element
