@@ -63,12 +63,13 @@ def fuzz(
 ) -> None:
     """Solve small random problems, and check the results without the code of the solver.
 
-    The problems have one or two deformable bodies in plane or axisymmetric states, rigid blocks,
-    frames, combinations of these, or short loading paths. Each follows from its seed, class and
-    number alone. Independent code checks equilibrium and virtual power of each part, friction at
-    each point, yield and dissipation. Results are also compared with those of the same problem
-    without friction, with associated friction, moved, rescaled, renamed or reordered, with other
-    backends, with equilibrium elements, and with linear programs of block assemblies.
+    The problems have one or two deformable bodies in plane or axisymmetric states, soils that vary
+    from place to place, footings on arcs, rigid blocks, frames, combinations of these, or short
+    loading paths. Each follows from its seed, class and number alone. Independent code checks
+    equilibrium and virtual power of each part, friction at each point, yield and dissipation.
+    Results are also compared with those of the same problem without friction, with associated
+    friction, moved, rescaled, renamed or reordered, weakened by its safety factor, with other
+    backends, with equilibrium elements, and with linear programs of block assemblies and frames.
 
     A problem with a wrong result is reduced to a small problem, which is stored in DIR/wrong/*.py.
     A campaign that was stopped continues when the same command is repeated.

@@ -1,7 +1,7 @@
 """One random problem, judged: its answer, other problems that it must agree with, its programs."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isfinite, isnan, nan
 from typing import Any
 
@@ -10,8 +10,9 @@ from lacore_verification.fuzz.checks.block_program import Known, known_of
 from lacore_verification.fuzz.checks.bounds import wrong_bounds, wrong_safety
 from lacore_verification.fuzz.checks.derivatives import is_smooth, wrong_derivatives
 from lacore_verification.fuzz.checks.existence import carries
+from lacore_verification.fuzz.checks.polygons import examine_polygons
 from lacore_verification.fuzz.checks.rigid_motions import refuted_words
-from lacore_verification.fuzz.checks.verdict import BAR, Wrong
+from lacore_verification.fuzz.checks.verdict import BAR, Judgement, Wrong
 from lacore_verification.fuzz.drawn.copies import COPIES, has_coulomb, strengthened, with_law
 from lacore_verification.fuzz.drawn.draw import Rng
 from lacore_verification.fuzz.drawn.paths import examine_path
@@ -25,32 +26,13 @@ _EXTRAS = 2
 """Comparisons drawn for each problem, in addition to those that all have."""
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What is known of a problem and of its answer.
-
-    Attributes:
-        status, load_factor, rigor, message: of the answer.
-        has_load: whether there is a load factor; None where nobody knows.
-        lower, upper: bounds that were found without the answer; NaN without.
-        wrong: None where nothing is.
-    """
-
-    status: str
-    load_factor: float
-    rigor: str
-    message: str
-    has_load: bool | None
-    lower: float = nan
-    upper: float = nan
-    wrong: Wrong | None = None
-
-
 def examine(recipe: Recipe, rng: Rng) -> Judgement:
     """Solve a recipe and judge it; `rng` draws what it is compared with."""
     if "path" in recipe:
         made = examine_path(recipe, rng)
         return Judgement(made.status, made.load_factor, "", made.message, True, wrong=made.wrong)
+    if any("sections" in body for body in recipe["bodies"].values()):
+        return examine_polygons(recipe)
     base = answer(recipe, rng)
     if base.status == "refused":
         return Judgement(base.status, nan, "", base.text, None)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,27 @@ class Wrong:
 
     def __str__(self) -> str:
         return f"{self.check}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is known of a problem and of its answer.
+
+    Attributes:
+        status, load_factor, rigor, message: of the answer.
+        has_load: whether there is a load factor; None where nobody knows.
+        lower, upper: bounds that were found without the answer; NaN without.
+        wrong: None where nothing is.
+    """
+
+    status: str
+    load_factor: float
+    rigor: str
+    message: str
+    has_load: bool | None
+    lower: float = nan
+    upper: float = nan
+    wrong: Wrong | None = None
 
 
 def beyond(check: str, what: str, values: Any, scale: Any, bar: float = BAR) -> Iterator[Wrong]:

@@ -29,6 +29,7 @@ CLASSES: Mapping[str, Callable[[Rng], Recipe]] = {
     "two-bodies": draw_continua.two_bodies,
     "mixtures": draw_continua.mixtures,
     "frames": draw_frames.frames,
+    "sections": draw_frames.sections,
     "paths": draw_continua.paths,
     "pairs-on-paths": draw_paths.pairs,
     "tools-on-paths": draw_paths.tools,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from lacore_verification.fuzz.drawn.draw import Rng, chosen, number, vector
+from lacore_verification.fuzz.drawn.draw import Rng, chosen, number, short, vector
 from lacore_verification.fuzz.drawn.recipe import Recipe
 
 
@@ -35,6 +35,32 @@ def frames(rng: Rng) -> Recipe:
         "supports": supports,
         "interfaces": interfaces,
     }
+
+
+def sections(rng: Rng) -> Recipe:
+    """A frame of rectangular sections, whose axial forces and moments interact, under forces."""
+    recipe = frames(rng)
+    frame = recipe["bodies"]["frame"]
+    moments = frame.pop("plastic_moment")
+    stress = number(rng, 0.5, 5.0)
+    heights = {name: number(rng, 0.2, 1.5) for name in moments}
+    frame["sections"] = {
+        name: [short(4 * moment / (stress * heights[name] ** 2)), heights[name], stress]
+        for name, moment in moments.items()
+    }
+    frame["polygon"] = "inner"
+    upper = [name for name in frame["nodes"] if name[2] != "0"]
+    feet = [name for name in frame["nodes"] if name[2] == "0"]
+    for load in recipe["reference"]:
+        if not isinstance(load["at"], str):
+            load.update(at=chosen(rng, upper))
+    recipe["dead"] = [load for load in recipe["dead"] if load["load"] == "PointForce"]
+    if recipe["interfaces"]:
+        recipe["interfaces"] = []
+        recipe["supports"] = [
+            {"body": "frame", "where": foot, "components": "clamped"} for foot in feet
+        ]
+    return recipe
 
 
 def _grid(rng: Rng, bays: int, storeys: int, regular: bool) -> dict[str, list[float]]:

@@ -159,9 +159,18 @@ def body_of(data: Mapping[str, Any]) -> Any:
     return la.Frame(
         {name: tuple(place) for name, place in data["nodes"].items()},
         {name: tuple(pair) for name, pair in data["members"].items()},
-        data["plastic_moment"],
+        data.get("plastic_moment"),
         [tuple(pair) for pair in data.get("releases", ())],
+        sections=_sections_of(data) if "sections" in data else None,
     )
+
+
+def _sections_of(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Rectangular sections of a frame, by member, with polygons in or around their yield curves."""
+    return {
+        member: la.sections.rectangle(width, height, stress, polygon=data["polygon"])
+        for member, (width, height, stress) in data["sections"].items()
+    }
 
 
 @dataclass(frozen=True)
