@@ -5,7 +5,7 @@ import pytest
 
 from lacore_verification.fuzz.checks.block_program import known_of
 from lacore_verification.fuzz.checks.linear_program import Program, maximum
-from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
+from lacore_verification.fuzz.continua.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.drawn.cases import recipe_of
 
 # The programs are solved to 1e-10 of each row.

@@ -8,8 +8,8 @@ import pytest
 import lacore as la
 from lacore_verification.fuzz.checks.bounds import wrong_bounds, wrong_safety
 from lacore_verification.fuzz.checks.polygons import enclosing, examine_polygons
-from lacore_verification.fuzz.checks.soils import plastic_power, sides
 from lacore_verification.fuzz.checks.state_checks import check_state
+from lacore_verification.fuzz.continua.soils import plastic_power, sides
 from lacore_verification.fuzz.drawn.cases import draw
 from lacore_verification.fuzz.drawn.copies import COPIES
 from lacore_verification.fuzz.drawn.draw_continua import _continuum

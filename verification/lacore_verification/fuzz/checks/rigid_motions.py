@@ -14,10 +14,10 @@ import lacore as la
 from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.block_program import joints_of
 from lacore_verification.fuzz.checks.linear_program import Program, maximum
-from lacore_verification.fuzz.checks.power import edges_of
-from lacore_verification.fuzz.checks.quadrature import in_cells
 from lacore_verification.fuzz.checks.rigid_checks import rigid_blocks
 from lacore_verification.fuzz.checks.verdict import Wrong
+from lacore_verification.fuzz.continua.power import edges_of
+from lacore_verification.fuzz.continua.quadrature import in_cells
 from lacore_verification.fuzz.drawn.recipe import Recipe, force_density
 from lacore_verification.fuzz.drawn.touches import law_terms, part_of
 

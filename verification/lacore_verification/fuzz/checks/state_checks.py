@@ -9,7 +9,16 @@ import numpy as np
 
 import lacore as la
 from lacore.numerics.arrays import Floats
-from lacore_verification.fuzz.checks.flow import (
+from lacore_verification.fuzz.checks.frame_checks import check_frames, frame_powers, hinge_power
+from lacore_verification.fuzz.checks.rigid_checks import (
+    Blocks,
+    check_blocks,
+    part_sizes,
+    powers,
+    rigid_blocks,
+)
+from lacore_verification.fuzz.checks.verdict import Wrong, beyond
+from lacore_verification.fuzz.continua.flow import (
     Motion,
     check_footing,
     check_volume,
@@ -19,23 +28,14 @@ from lacore_verification.fuzz.checks.flow import (
     motion_of,
     power_on_footing,
 )
-from lacore_verification.fuzz.checks.frame_checks import check_frames, frame_powers, hinge_power
-from lacore_verification.fuzz.checks.power import (
+from lacore_verification.fuzz.continua.power import (
     check_power,
     corners_of,
     edges_of,
     load_size,
     strain_points,
 )
-from lacore_verification.fuzz.checks.rigid_checks import (
-    Blocks,
-    check_blocks,
-    part_sizes,
-    powers,
-    rigid_blocks,
-)
-from lacore_verification.fuzz.checks.soils import check_soil, sides
-from lacore_verification.fuzz.checks.verdict import Wrong, beyond
+from lacore_verification.fuzz.continua.soils import check_soil, sides
 from lacore_verification.fuzz.drawn.recipe import Recipe, Soil
 from lacore_verification.fuzz.drawn.touches import Part, Touches, touches
 

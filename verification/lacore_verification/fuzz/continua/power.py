@@ -16,8 +16,8 @@ import numpy as np
 import lacore as la
 from lacore.model.bodies.continuum.slip import Slip
 from lacore.numerics.arrays import Floats, Ints
-from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
+from lacore_verification.fuzz.continua.quadrature import in_cells, on_edges
 from lacore_verification.fuzz.drawn.recipe import Recipe, force_density
 from lacore_verification.fuzz.drawn.touches import Touches
 

@@ -13,10 +13,10 @@ import numpy as np
 import lacore as la
 from lacore.model.bodies.continuum.slip import Slip
 from lacore.numerics.arrays import Floats, Ints
-from lacore_verification.fuzz.checks.power import corners_of, edges_of, on_holders, strain_points
-from lacore_verification.fuzz.checks.quadrature import in_cells, on_edges
-from lacore_verification.fuzz.checks.soils import plastic_power, sides
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
+from lacore_verification.fuzz.continua.power import corners_of, edges_of, on_holders, strain_points
+from lacore_verification.fuzz.continua.quadrature import in_cells, on_edges
+from lacore_verification.fuzz.continua.soils import plastic_power, sides
 from lacore_verification.fuzz.drawn.recipe import Soil, force_density
 
 _POWERS = {

@@ -1,0 +1,1 @@
+"""Checks of continua: virtual power, flow and the strength of soils."""
