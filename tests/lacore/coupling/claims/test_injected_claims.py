@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
+from scipy.spatial.transform import Rotation
 
 import lacore as la
 from lacore.coupling.claims import dead_collapse as collapses
@@ -19,6 +21,7 @@ from lacore.solvers.backend import InnerSolution
 from lacore.solvers.inner.preparing import preparer_named
 from tests.lacore.coupling.claims.test_claims import frozen, on_incline
 from tests.lacore.coupling.claims.test_rays import in_a_box
+from tests.lacore.model.bodies.blocks3d.solids import box
 from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
 
 TOLERANCE = 1e-6
@@ -392,3 +395,55 @@ def test_directions_of_slip_are_unit_vectors_where_slip_dilates():
     assert _ways(none, 1).tolist() == [[1.0], [-1.0]]
     assert _ways(some, 2).tolist() == _directions(2).tolist()
     assert _ways(none, 2).tolist() == [[0.0, 0.0]]
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("seed", range(3))
+def test_multipliers_carry_all_of_a_load_that_can_be_carried(seed, size):
+    """Those of what presses are not negative, whatever the size of rows."""
+    rng = np.random.default_rng(seed)
+    pressing, free = rng.uniform(-1, 1, (5, 6)) * size, rng.uniform(-1, 1, (2, 6)) * size
+    wanted = pressing.T @ [1.0, 0.0, 2.0, 0.0, 0.5] - free.T @ [0.3, 2.0]
+    found = rays._carried(csr_matrix(pressing), csr_matrix(free), wanted / size)
+    assert np.all(found[:5] >= 0)
+    carried = np.vstack([pressing, free]).T @ found
+    assert carried == pytest.approx(wanted / size, rel=1e-12, abs=1e-13)
+
+
+def test_multipliers_leave_the_least_of_a_load_that_cannot_be_carried():
+    """What presses along x carries that part of a load, and none of it the other way round."""
+    pressing, free = csr_matrix([[0.1, 0.0, 0.0]]), csr_matrix([[0.0, 0.1, 0.0]])
+    assert rays._carried(pressing, free, np.array([1.0, -1.0, 1.0])) == pytest.approx([10, -10])
+    assert rays._carried(pressing, free, np.array([-1.0, 1.0, 1.0])) == pytest.approx([0, 10])
+
+
+@pytest.mark.parametrize(("friction", "locked"), [(0.31, True), (0.308, False)])
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_block_in_space_is_locked_by_friction_that_dilates_from_its_slope_on(
+    turn, friction, locked
+):
+    """A vertical push on a slope of tan(0.3) = 0.3093, which descends in several directions."""
+    slope = np.array([np.sin(0.3) * np.cos(turn), np.sin(0.3) * np.sin(turn), np.cos(0.3)])
+    rotation, _ = Rotation.align_vectors([slope], [[0.0, 0.0, 1.0]])
+    stone = box((0, 0, 0), (1, 1, 1))
+    turned = la.Polyhedron(stone.vertices @ rotation.as_matrix().T, stone.faces)
+    law = la.Coulomb(friction, associated=True)
+    problem = la.Problem(
+        {"b": la.BlockAssembly3D({"stone": turned}, 0.0)},
+        [la.BodyForce("b", (0.0, 0.0, -1.0))],
+        interfaces=[
+            la.Interface(
+                ("b", lambda x: np.abs(slope @ x) < 1e-9),
+                la.RigidObstacle((0, 0, 0), tuple(slope)),
+                law,
+            )
+        ],
+        dead_loads=[la.BodyForce("b", (0.0, 0.0, -1.0))],
+    )
+    program, contact = frozen(problem)
+    ray = locking_ray(program, contact)
+    assert ray.proves == locked
+    if locked:
+        pressed = program.contact.weights @ ray.point.normal_reaction
+        size = np.abs(program.reference_load).max()
+        assert pressed > 0.9 * size
