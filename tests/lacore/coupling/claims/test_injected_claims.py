@@ -16,6 +16,7 @@ from lacore.coupling.claims.dead_loads import _mechanism_residual, prove_dead_lo
 from lacore.coupling.claims.free_motion import without_dissipation
 from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, _ways, locking_ray
 from lacore.program.kinematic import FrozenContact, associated_contact, reaction_contact
+from lacore.program.state import out_of_balance
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
 from lacore.solvers.inner.preparing import preparer_named
@@ -447,3 +448,59 @@ def test_a_block_in_space_is_locked_by_friction_that_dilates_from_its_slope_on(
         pressed = program.contact.weights @ ray.point.normal_reaction
         size = np.abs(program.reference_load).max()
         assert pressed > 0.9 * size
+
+
+def hanging(tension, weight):
+    """A unit block below a ceiling, to which a joint with strength in tension holds it."""
+    return la.Problem(
+        {"b": la.BlockAssembly({"block": [(0, 0), (1, 0), (1, 1), (0, 1)]}, 0.0)},
+        [la.PointForce("b", "block", (1.0, 0.0))],
+        interfaces=[
+            la.Interface(
+                ("b", lambda x: np.abs(x[1] - 1) < 1e-9),
+                la.RigidObstacle((0, 1), (0, -1)),
+                la.Coulomb(0.5, adhesion=1.0, tension=tension),
+            )
+        ],
+        dead_loads=[la.BodyForce("b", (0.0, -weight))] if weight else [],
+    )
+
+
+@pytest.mark.parametrize("tension", [0.5, 0.9, 1.1, 1.9])
+def test_tension_of_a_joint_is_a_strength_and_no_load(tension):
+    """A weight of 1 N below 1 m: the joint carries it from a tension of 1 Pa on."""
+    program, contact = frozen(hanging(tension, 1.0))
+    found = prove_dead_loads(program, contact, preparer_named("clarabel", {}), TOLERANCE)
+    assert (found.equilibrium is not None) == (tension > 1)
+    assert (found.mechanism is not None) == (tension < 1)
+    state, rows = found.equilibrium or found.mechanism, program.contact
+    weight = float(np.abs(program.dead_load - program.held_shut).sum())
+    pulled = rows.weights @ (rows.pull - state.normal_reaction)
+    assert pulled == pytest.approx(min(tension, 1.0) * weight, rel=1e-5)
+
+
+def test_what_no_dead_load_pulls_at_is_held_by_the_whole_tension():
+    """Nothing acts on the block: the joint is without traction, and in equilibrium."""
+    program, contact = frozen(hanging(0.5, 0.0))
+    found = prove_dead_loads(program, contact, None, TOLERANCE)
+    assert found.mechanism is None
+    assert found.residual == 0.0
+    assert found.equilibrium.load_factor == 0.0
+    assert found.equilibrium.normal_reaction == pytest.approx(program.contact.pull)
+    assert np.abs(out_of_balance(program, found.equilibrium)).max() <= 1e-12
+
+
+def test_a_collapse_by_cones_needs_no_linear_program(monkeypatch):
+    """Where the linear program has no answer the solver finds the mechanism."""
+    program, contact = frozen(on_incline(0.3, la.Tresca(0.3), (0.0, 1.0), weight=2.0))
+    still = replace(program, reference_load=across(program))
+    monkeypatch.setattr(collapses, "least", lambda *given, **more: None)
+    found = dead_collapse(still, contact, preparer_named("clarabel", {}), TOLERANCE)
+    assert found.proves(TOLERANCE)
+    assert found.dissipated_share == pytest.approx(0.3 / (2 * np.sin(0.3)), rel=1e-6)
+
+
+def test_a_linear_program_finds_no_mechanism_of_what_stands():
+    program, contact = frozen(on_incline(0.3, la.Tresca(0.7), (0.0, 1.0), weight=2.0))
+    still = replace(program, reference_load=across(program))
+    assert collapses._by_lines(*collapses._driven(still, contact)) is None

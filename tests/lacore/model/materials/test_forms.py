@@ -313,3 +313,64 @@ def test_a_yield_stress_that_varies_is_sqrt_3_times_that_in_shear():
     steel = la.VonMises(yield_stress=[3.0, 6.0])
     assert steel.k.factor == pytest.approx(1 / sqrt(3))
     assert steel.weakened(2.0).k.factor == pytest.approx(1 / sqrt(12))
+
+
+def test_a_law_is_sampled_at_strains_from_a_millionth_to_10():
+    """A dip below a strain of 1e-4 is seen, and what a law does beyond 10 is not asked."""
+
+    class Dip:
+        """A law that softens between two strains."""
+
+        def __init__(self, low, high):
+            self.low, self.high = low, high
+
+        def stress(self, strain):
+            return 1.0 - 0.5 * np.clip((strain - self.low) / (self.high - self.low), 0, 1)
+
+        def modulus(self, strain):
+            return 0 * strain
+
+    with pytest.raises(la.InputError, match="softens"):
+        la.VonMises(hardening=Dip(1e-5, 1e-4))
+    with pytest.raises(la.InputError, match="softens"):
+        la.VonMises(hardening=Dip(5.0, 9.9))
+    assert la.VonMises(hardening=Dip(11.0, 20.0)).k == pytest.approx(1 / sqrt(3))
+
+
+def test_what_is_bonded_has_no_coefficient_and_no_dilatancy():
+    terms = la.BOND.terms()
+    assert (terms.coefficient, terms.limit, terms.dilatancy, terms.tension) == (0, np.inf, 0, 0)
+    assert la.STICK.terms() == terms
+
+
+def test_cones_of_a_sheet_have_one_angle_of_friction_and_associated_flow():
+    """Strength and flow of Drucker and Prager turn around axes of their own in plane stress."""
+    soil = la.DruckerPrager(1.0, 30.0)
+    angles = np.array([20.0, 30.0])
+    for kinematics in ("plane_strain", "axisymmetric", SPACE):
+        assert not soil.form_of(kinematics, angles, np.ones(2), None).frictional
+        assert soil.form_of(kinematics, angles, np.ones(2), angles / 2).frictional
+        assert la.DruckerPrager(1.0, 30.0, dilation_angle=5.0).conic_form(kinematics).frictional
+    with pytest.raises(la.InputError, match="turn with their angle"):
+        soil.form_of("plane_stress", angles, np.ones(2), None)
+    with pytest.raises(la.InputError, match="axes of their own"):
+        la.DruckerPrager(1.0, 30.0, dilation_angle=5.0).conic_form("plane_stress")
+    assert not soil.conic_form("plane_stress").frictional
+
+
+def test_criteria_of_planes_have_no_form_in_space_and_no_criterion_an_unknown_one():
+    for criterion in (la.MohrCoulomb(1.0, 30.0), la.Rankine(1.0), la.MaximumShear(1.0)):
+        with pytest.raises(la.InputError, match="in space"):
+            criterion.conic_form(SPACE)
+    for criterion in (la.VonMises(1.0), la.MohrCoulomb(1.0, 30.0), la.DruckerPrager(1.0, 30.0)):
+        with pytest.raises(la.InputError, match=r"Body\.kinematics"):
+            criterion.conic_form("plane")
+
+
+def test_strengths_of_functions_have_no_value_in_an_element():
+    form = la.Rankine(lambda x: x[1], 2.0).conic_form("plane_strain")
+    with pytest.raises(ValueError, match="at_points"):
+        form.surfaces_of(np.arange(2))
+    with pytest.raises(ValueError, match="at_points"):
+        form.bounds(np.arange(2))
+    assert la.VonMises(1.5).conic_form("plane_strain").bounds(np.zeros((2, 3), dtype=int)).tolist()
