@@ -143,7 +143,7 @@ def _speeds(program: KinematicProgram, velocity: Floats) -> _Speeds:
     # Of a rigid mechanism all strain rates are noise, against velocity per body length.
     area = sum(float(group.weights.sum()) for group in program.groups)
     overall = fastest / np.sqrt(area) if area > 0 else 0.0
-    strain = max([overall, *(float(rate.max(initial=0.0)) for rate in rates)]) or 1.0
+    strain = max([overall, *(float(rate.max(initial=0.0)) for rate in rates)])
     return _Speeds(
         opening=np.asarray((contact.opening(velocity) - contact.dilatancy * slip) / fastest),
         slip=np.asarray(slip / fastest),

@@ -1,11 +1,13 @@
 """Iterates of a loop that are wrong in exactly one way are not accepted."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import lacore as la
+from lacore.coupling import certified
 from lacore.coupling.bounds import kinematic_load_factor, kinematic_power
 from lacore.coupling.freezing import friction_of, generous, pressing
 from lacore.coupling.friction_start import FrictionStart
@@ -74,8 +76,9 @@ def test_a_regularised_state_is_accepted_by_its_equilibrium():
     # What the penalties let through is reported and not judged.
     leaking = replace(certify(D.program, STATE), divergence=0.01, penetration=0.01, flow=0.01)
     assert REGULARISED.proven(iterate(regularised=VALUES, certificate=leaking))
-    without = replace(VALUES, multiplier=np.nan)
-    assert REGULARISED.proven(iterate(regularised=without))
+    for multiplier in (np.nan, VALUES.multiplier * (1 + 6e-7)):
+        own = replace(VALUES, multiplier=multiplier)
+        assert REGULARISED.proven(iterate(regularised=own))
 
 
 @pytest.mark.parametrize("name", ["equilibrium", "yield_violation", "normalisation"])
@@ -213,3 +216,60 @@ def test_pairs_and_who_answered():
     assert answered_by(coupled.end(Status.SOLVED, one), "ours") == "ours"
     assert worst(replace(one, certificate=None)) == np.inf
     assert worst(one) <= 1e-12
+
+
+def undecided(monkeypatch, status=Status.SOLVED, rates=(), homogeneous=True, frictional=False):
+    """The end of a loop that found no certificate, with bounds of 0.5 and 2."""
+    worse, better = (
+        SimpleNamespace(certificate=SimpleNamespace(worst=("gap", own)), free=False)
+        for own in (0.5, 0.1)
+    )
+    none = SimpleNamespace(certificate=None, free=False)
+    least = SimpleNamespace(contact=None, program="least")
+    program = SimpleNamespace(
+        homogeneous=homogeneous, frictional=frictional, associated=lambda: "associated"
+    )
+    run = SimpleNamespace(
+        program=program,
+        iterates=[none, worse, better],
+        rates=list(rates),
+        options=SimpleNamespace(tolerance=TOLERANCE),
+        free=lambda own: own.free,
+        solve=lambda kind, contact, program: SimpleNamespace(inner=kind),
+        end=lambda status, final, **more: (status, final, more),
+    )
+    first = SimpleNamespace(inner=SimpleNamespace(status=status))
+    monkeypatch.setattr(certified, "upper_bound", lambda *given: 2.0)
+    monkeypatch.setattr(certified, "lower_bound", lambda *given: 0.5)
+    monkeypatch.setattr(certified, "frictionless", lambda program: least)
+    return run, better, lambda: certified._undecided(run, first)
+
+
+@pytest.mark.parametrize(
+    ("status", "rates", "frictional", "expected"),
+    [
+        (Status.LOCKED, (0.5, 1.2), False, Status.JAM),  # T13: locked, and the map expands
+        (Status.LOCKED, (1.0,), False, Status.JAM),
+        (Status.LOCKED, (0.5, 0.9), False, Status.NOT_CERTIFIED),
+        (Status.LOCKED, (), False, Status.NOT_CERTIFIED),
+        (Status.SOLVED, (1.2,), False, Status.NOT_CERTIFIED),
+        (Status.LOCKED, (1.2,), True, Status.NOT_CERTIFIED),  # soils may lock and slide
+    ],
+)
+def test_a_loop_without_a_certificate_ends_with_bounds(
+    monkeypatch, status, rates, frictional, expected
+):
+    _, better, end = undecided(monkeypatch, status, rates, frictional=frictional)
+    found, final, more = end()
+    assert found is expected
+    assert final is better  # the least residual
+    assert more["bracket"] == (0.5, 2.0)
+
+
+def test_hardening_has_no_bounds_and_a_free_motion_needs_none(monkeypatch):
+    run, better, end = undecided(monkeypatch, homogeneous=False)
+    assert end() == (Status.NOT_CERTIFIED, better, {})
+    run.iterates[1].free = True
+    found, final, _ = end()
+    assert found is Status.FREE
+    assert final is run.iterates[1]
