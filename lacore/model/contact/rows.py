@@ -334,7 +334,6 @@ def _merged(
             np.round(stand.normal.T, _SAME_NORMAL),
         ]
     )
-    key = key + 0.0  # no minus zero
     _, first, point = np.unique(key, axis=0, return_index=True, return_inverse=True)
     at = owner[first]
     return Station(

@@ -122,7 +122,7 @@ class MohrCoulomb(Compact):
 
         ``c cos(phi)``, or a cut-off below that.
         """
-        if isinstance(self._cohesion, Field) or isinstance(self._friction, Field):
+        if isinstance(self._friction, Field):
             return nan
         return _known(self._cohesion * cos(self.angle), *self._cutoffs)
 
