@@ -1,7 +1,7 @@
-"""One limit problem of a path: how bodies flow at one moment of a step (T29)."""
+"""One limit problem of a path: the flow of the bodies at one moment of a step (T29)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.unknowns import Unknowns
+from lacore.coupling.friction_start import FrictionStart
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.model.bodies.continuum.regions.gathering import by_body
@@ -32,46 +33,42 @@ from lacore.paths.tools.contact import face_stations
 from lacore.program.kinematic import ContactRows, DissipationGroup, KinematicProgram
 from lacore.reporting.showing import Compact
 
-# Hardening per yield stress: of all mechanisms of the same load the most uniform one comes out. It
-# is taken out of the load again. Beside surfaces it would have no certificate where flow is that of
-# an apex, whose stress it moves: what is solved is the soil as it is.
+# Hardening per yield stress, which selects the most uniform of all mechanisms with the same load.
+# Its share of the load is subtracted afterwards. Soils get none: it would change the stress at the
+# apex of a yield surface, where flow would then have no certificate.
 _CHOICE = 1e-3
 
 
 @dataclass(frozen=True, repr=False)
 class Moment(Compact):
-    """Where and for what a limit problem of a step is stated.
+    """Data of one limit problem of a step.
 
     Attributes:
-        begin: where the step begins.
-        at: where bodies are now.
-        duration: of the step, s; of the velocities of ``F0.u = 1``.
-        share: of the duration that has gone by when the yield stress counts, theta.
-        normal_reaction: at the contact points where the loop on friction begins, Pa: of a moment of
-            the same step; None: it looks for them.
-        slip: slip rates there with which it begins to look, m/s at ``F0.u = 1``: of the step
-            before; None: it begins at the associated state.
+        begin: Configuration at the start of the step.
+        at: Configuration at which the problem is solved.
+        duration: Duration of the step, s, at the velocities of ``F0.u = 1``.
+        share: Share theta of the duration after which the yield stress is evaluated.
+        friction_start: Friction at which the loop starts.
     """
 
     begin: Configuration
     at: Configuration
     duration: float
     share: float
-    normal_reaction: Floats | None = None
-    slip: Floats | None = None
+    friction_start: FrictionStart = field(default_factory=FrictionStart)
 
 
 @dataclass(frozen=True, repr=False)
 class Flow(Compact):
-    """Answer at a moment.
+    """Solution of the limit problem of a moment.
 
     Attributes:
-        state: the limit state there, of the program with the hardening that chooses.
-        moment: what it answers.
-        load_factor: alpha, without that hardening; NaN where there is no state.
-        hardened: share of it that hardening within the step of the moment has.
-        duration: of a step of which it is the load, s.
-        selected: the velocity that moves the bodies in place of that of the state; None: that one.
+        state: Limit state of the program with the hardening that selects a mechanism.
+        moment: Data of the problem.
+        load_factor: Load factor without that hardening; NaN without a state.
+        hardened: Part of the load factor due to hardening within the step.
+        duration: Duration, s, of the step to which the load factor belongs.
+        selected: Selected velocity, which moves the bodies; None for that of the state.
     """
 
     state: LimitState
@@ -82,7 +79,7 @@ class Flow(Compact):
     selected: Selected | None = None
 
     def lasting(self, duration: float) -> "Flow":
-        """The same flow with the load of another duration [s] of the step, to first order."""
+        """Return the flow with the load of another duration of the step, s, to first order."""
         more = (duration - self.duration) / self.moment.duration * self.hardened
         return replace(self, load_factor=self.load_factor + more, duration=duration)
 
@@ -94,7 +91,7 @@ class Flow(Compact):
 
     @property
     def velocity(self) -> dict[str, Floats]:
-        """It by body, shape (2, nodes), m/s; of a rigid block x, y and rad/s, shape (3, 1)."""
+        """That velocity by body, shape (2, nodes), m/s; for rigid blocks (3, 1), with rad/s."""
         d, u = self.state.discretisation, self.motion
         moving = {name: u[dofs.dofs] for name, dofs in d.continua.items()}
         return moving | {name: dofs.motion(u) for name, dofs in d.assemblies.items()}
@@ -112,9 +109,9 @@ class Flow(Compact):
         return rates | {name: np.zeros((1, 1)) for name in d.assemblies}
 
     def hencky_strain(self, duration: float) -> dict[str, Floats]:
-        """Equivalent logarithmic strain of a step about this moment, (elements, q) (T30).
+        """Return the equivalent logarithmic strain of a step centred here, (elements, q) (T30).
 
-        Infinite where the step is longer than a point can bear.
+        It is infinite where the step is too long for this strain measure.
         """
         d, velocity = self.state.discretisation, self.velocity
         strains = {}
@@ -127,10 +124,10 @@ class Flow(Compact):
 
 
 def discretised(stage: Stage, moment: Moment) -> Discretisation:
-    """The bodies of a moment and their contact, without hardening.
+    """Discretise the bodies of a moment and their contact, without hardening.
 
     Raises:
-        InputError: a mesh that is inverted or overlaps there, contact that contradicts supports.
+        InputError: A mesh is inverted or overlaps, or contact contradicts supports.
     """
 
     def contact(
@@ -148,13 +145,14 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
 
 @dataclass(frozen=True, repr=False)
 class WarmStart(Compact):
-    """What a solve of a step takes from the solves before it.
+    """Data of earlier solves from which a solve of a step starts.
 
     Attributes:
-        velocity: of the step before by body, whose slip tells where to look for reactions: those
-            of that step are too far off. None at the beginning, and on new meshes.
-        reactions: of the last solve of the step; None before the first.
-        solves: of the step so far.
+        velocity: Velocity of the step before, by body. Its slip is a start for rough solves; the
+            reactions of that step differ too much from those of this one. None at the beginning and
+            on new meshes.
+        reactions: Normal reactions of the last solve of the step; None before the first one.
+        solves: Number of inner solves of the step so far.
     """
 
     velocity: Mapping[str, Floats] | None = None
@@ -162,19 +160,19 @@ class WarmStart(Compact):
     solves: int = 0
 
     def after(self, state: LimitState) -> "WarmStart":
-        """Return the start of the solve after a state."""
+        """Return the warm start of the solve after a state."""
         assert state.point is not None
         reactions = np.maximum(state.point.normal_reaction, 0.0)
         return WarmStart(self.velocity, reactions, self.solves + state.outer_iterations)
 
-    def within(self, problem: Discretisation, moment: Moment) -> Moment:
-        """Return a moment with the friction at which the loop begins."""
+    def friction_start(self, problem: Discretisation) -> FrictionStart:
+        """Return the friction at which the loop of the next solve starts."""
         normal_reaction, slip = self.reactions, None
         if normal_reaction is not None and normal_reaction.size != problem.full.contact.count:
-            normal_reaction = None  # bodies have slid on to other edges
+            normal_reaction = None  # bodies have slid to other edges
         if self.reactions is None and self.velocity is not None:
             slip = _slip(problem, self.velocity)
-        return replace(moment, normal_reaction=normal_reaction, slip=slip)
+        return FrictionStart(normal_reaction, slip)
 
 
 def flow(
@@ -183,22 +181,24 @@ def flow(
     """Solve the limit problem of a moment.
 
     Args:
-        stage: the problem.
-        moment: of a step.
-        settings: see `lacore.solve`.
-        warm: where the loop begins; None: at the friction of the moment, if it has any.
+        stage: Problem on the present meshes.
+        moment: Data of the limit problem.
+        settings: Arguments of `lacore.solve`.
+        warm: Warm start; None starts at the friction of the moment.
 
     Raises:
-        InputError: see `discretised`.
+        InputError: See `discretised`.
     """
     problem = limit_problem(stage, moment)
-    moment = moment if warm is None else warm.within(problem, moment)
-    state = solve(problem, **settings, normal_reaction=moment.normal_reaction, slip=moment.slip)
+    if warm is not None:
+        moment = replace(moment, friction_start=warm.friction_start(problem))
+    start = moment.friction_start
+    state = solve(problem, **settings, normal_reaction=start.normal_reaction, slip=start.slip)
     return flow_of(state, moment)
 
 
 def _slip(problem: Discretisation, velocity: Mapping[str, Floats]) -> Floats:
-    """Slip rates of a velocity of the bodies, shape (m,), m/s."""
+    """Return the slip rates of a velocity of the bodies, shape (m,), m/s."""
     u = np.zeros(problem.full.n)
     for name, dofs in problem.continua.items():
         u[dofs.dofs] = velocity[name]
@@ -208,10 +208,10 @@ def _slip(problem: Discretisation, velocity: Mapping[str, Floats]) -> Floats:
 
 
 def limit_problem(stage: Stage, moment: Moment) -> Discretisation:
-    """What is solved at a moment, as bodies harden within its step.
+    """Return the limit problem of a moment, with hardening within its step.
 
     Raises:
-        InputError: see `discretised`.
+        InputError: See `discretised`.
     """
     d = discretised(stage, moment)
     laws = _laws(d, moment)
@@ -219,7 +219,7 @@ def limit_problem(stage: Stage, moment: Moment) -> Discretisation:
 
 
 def flow_of(state: LimitState, moment: Moment) -> Flow:
-    """What a limit state of the `limit_problem` of a moment says."""
+    """Return the flow of a limit state of the `limit_problem` of a moment."""
     if state.point is None:
         return Flow(state, moment, np.nan, 0.0, moment.duration)
     chosen = hardened = 0.0
@@ -233,12 +233,12 @@ def flow_of(state: LimitState, moment: Moment) -> Flow:
 
 @dataclass(frozen=True)
 class _Law:
-    """Of the strain points of a region, per length of a cone vector, each of shape (m,).
+    """Hardening at the strain points of a region, per length of a cone vector, shapes (m,).
 
     Attributes:
-        bound: yield stress where the step begins, of the tangent about the strain expected now.
-        modulus: of hardening within the step.
-        choosing: more of it, which chooses between mechanisms.
+        bound: Yield stress at the start of the step, on the tangent at the strain expected now.
+        modulus: Modulus of hardening within the step.
+        choosing: Additional modulus, which selects one of several mechanisms.
     """
 
     bound: Floats
@@ -271,7 +271,7 @@ def _law(name: str, region: Region, group: DissipationGroup, moment: Moment) -> 
 
 
 def _hardening(program: KinematicProgram, laws: Sequence[_Law]) -> KinematicProgram:
-    """The groups of continua, which are the only ones, by their laws."""
+    """Return the program with the hardening of its groups, all of which belong to continua."""
     return replace(
         program,
         groups=tuple(_hardened(g, law) for g, law in zip(program.groups, laws, strict=True)),

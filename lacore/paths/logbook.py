@@ -1,4 +1,4 @@
-"""What a path leaves behind, as it comes: rows, events, snapshots."""
+"""Record of a path while it is followed: rows, events and snapshots."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
@@ -24,13 +24,28 @@ from lacore.paths.stored.progress import Progress
 from lacore.reporting.findings import Finding
 from lacore.reporting.text import text
 
-_RISES = 1e-6  # of a load: less is what solvers leave of one that stays the same
+_RISES = 1e-6  # of a load: smaller changes are noise of solvers
 _COLUMNS = [entry.name for entry in fields(PathStep)]
 
 
 @dataclass
 class Log:
-    """What a path leaves behind, as it comes."""
+    """Record of a path while it is followed.
+
+    Attributes:
+        stage: Problem on the first meshes.
+        gauge: Speed of the control on the present meshes.
+        keep_every: Interval of the snapshots to keep, in steps.
+        unit: Unit of the travel.
+        rows: Rows of the history, one per step.
+        events: Events so far.
+        snapshots: Snapshots to keep, and that of the last step.
+        last: State of the last step; None before the first one.
+        later: Stages on new meshes, each with the first step on them.
+        made: The new meshes, as checkpoints keep them.
+        now: Problem on the present meshes.
+        dofs: Unknowns of the deformable bodies on the present meshes.
+    """
 
     stage: Stage
     gauge: Gauge
@@ -50,32 +65,36 @@ class Log:
         self.dofs = numbered(self.stage.bodies, BodyDofs.at)
 
     def enter(self, stage: Stage, gauge: Gauge, made: NewMeshes) -> None:
-        """New meshes."""
+        """Record new meshes."""
         self.now, self.gauge, self.dofs = stage, gauge, numbered(stage.bodies, BodyDofs.at)
         self.later.append((made.step, stage))
         self.made.append(made)
 
+    def remeshed_before(self, step: int) -> bool:
+        """Whether the last new meshes were made immediately before a step."""
+        return bool(self.later) and self.later[-1][0] == step
+
     def begin(self, here: Here) -> None:
-        """The bodies at the beginning."""
+        """Record the bodies at the beginning."""
         still = {name: np.zeros_like(nodes) for name, nodes in here.configuration.nodes.items()}
         rigid = {name: np.zeros_like(own) for name, own in here.configuration.strain.items()}
         self.snapshots.append(Snapshot(0, 0.0, here.configuration, still, rigid))
 
     def resume(self, progress: Progress) -> None:
-        """Go on from a path so far."""
+        """Continue the record of a path so far."""
         self.rows, self.events = list(progress.rows), list(progress.events)
         self.snapshots = list(progress.snapshots)
 
     def progress(self, here: Here, step: float) -> Progress:
-        """The path so far, to be resumed with a step of this length."""
+        """Return the path so far, to be resumed with a step of the given length."""
         return Progress(here, step, self.rows, self.events, self.snapshots, self.made)
 
     def event(self, kind: str, step: int, travel: float, what: str) -> None:
-        """Something happened."""
+        """Record an event."""
         self.events.append(Event(kind, step, travel, what))
 
     def inversion(self, here: Here, stop: PathEndError) -> None:
-        """The next step would turn an element inside out."""
+        """Record that the next step would invert an element."""
         self.event("inversion predicted", here.step + 1, here.travel, text("{}", *stop.findings))
 
     def step(
@@ -87,7 +106,7 @@ class Log:
         volume: float,
         seconds: float,
     ) -> None:
-        """A step was taken."""
+        """Record a step."""
         load, state = stride.load.load_factor, stride.load.state
         assert state.point is not None
         assert state.certificate is not None
@@ -117,7 +136,7 @@ class Log:
         self.rows.append(row)
         self.last = state
         if self.snapshots[-1].step % self.keep_every:
-            self.snapshots.pop()  # it was the last
+            self.snapshots.pop()  # it was kept only as that of the last step
         moving = stride.flow
         self.snapshots.append(
             Snapshot(
@@ -131,16 +150,16 @@ class Log:
             )
         )
         self._peak("peak load", "load_factor")
-        # The load factor of a footing is a pressure on an area that changes.
+        # The load factor of a footing is a pressure, and its area changes along the path.
         if footings(self.now.problem.reference_loads):
             self._peak("peak force", "force")
 
     def _contacts(self, here: Here, there: Here) -> float:
-        """Events of contact that closed or opened in a step; how deep bodies overlap after it."""
+        """Record contact that closes or opens in a step; return the overlap of bodies after it."""
         return max(self._obstacles(here, there), self._pairs(here, there))
 
     def _pairs(self, here: Here, there: Here) -> float:
-        """Edges of two bodies that came to touch in a step, and that parted."""
+        """Record edges of two bodies that touch or separate in a step; return the overlap."""
         if not self.now.pairs:
             return 0.0
         before, after = (self.now.plane_bodies_at(own.configuration) for own in (here, there))
@@ -160,7 +179,7 @@ class Log:
         return deepest
 
     def _obstacles(self, here: Here, there: Here) -> float:
-        """Points that came to an obstacle in a step, and points that left one."""
+        """Record points that reach or leave an obstacle in a step; return the overlap."""
         deepest = 0.0
         places = [own.configuration for own in (here, there)]
         for faces in zip(*map(self.now.obstacles_at, places), strict=True):
@@ -182,9 +201,9 @@ class Log:
 
     @property
     def on_these_meshes(self) -> list[PathStep]:
-        """Steps since the last new meshes: a load that jumps from mesh to mesh has no peak there.
+        """Steps since the last new meshes.
 
-        So one that is passed within two steps of them is not seen.
+        The load jumps from mesh to mesh, so a peak is not detected within two steps of new meshes.
         """
         first = self.made[-1].step if self.made else 0
         return [row for row in self.rows if row.step >= first]
@@ -198,8 +217,8 @@ class Log:
     def path(
         self, ending: Ending, findings: tuple[Finding, ...], settings: Mapping[str, Any]
     ) -> Path:
-        """The end; settings are those of each solve."""
-        if self.last is None and self.rows:  # of a path that was all kept
+        """Return the path at its end; `settings` are those of each solve."""
+        if self.last is None and self.rows:  # all steps were read from a checkpoint
             snapshot = self.snapshots[-1]
             self.last = state_of(snapshot, self.stage, self.later, settings)
         return Path(
@@ -217,9 +236,9 @@ class Log:
 
 
 def peak(rows: Sequence[PathStep], column: str) -> tuple[int, float, float] | None:
-    """Step, travel and value of a maximum that was passed in the last step; None of none.
+    """Return step, travel and value of a maximum passed in the last step; None without one.
 
-    That of the polynomial through the last three or four.
+    The maximum is that of the polynomial through the last three or four steps.
     """
     last = rows[-4:]
     if len(last) < 3:

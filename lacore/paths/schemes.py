@@ -1,4 +1,4 @@
-"""Schemes of a path: at which configuration a step is solved, and how it moves the bodies (T30)."""
+"""Schemes of a path: where a step is solved, and how it moves the bodies (T30)."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -26,26 +26,26 @@ from lacore.reporting.status import Status
 from lacore.reporting.text import Quantity
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
-_NOISE = 1e-5  # of the body size: what is left where velocities are hardly determined
-_PATIENCE = 4  # iterations that bring an implicit step no closer
+_NOISE = 1e-5  # of the body size: noise of displacements whose velocities are barely determined
+_PATIENCE = 4  # iterations without progress of an implicit step
 _ITERATIONS = 60  # of an implicit step
-_SAME_DURATION = 0.2  # relative: closer guesses change a load at second order only
-_CLOSING_DURATION = 0.01  # where distances close: by that much of them bodies may overlap obstacles
+_SAME_DURATION = 0.2  # relative: closer guesses change the load only at second order
+_CLOSING_DURATION = 0.01  # the same if distances close: bodies may overlap by this share of them
 _GUESSES = 4  # of the duration of a step
 _BEFORE, _BEFORE_FIRST = 0.25, 0.5  # of the rate before in that of the first half of a step
-_LOCKED = 1e4  # of a yield stress over the whole body: no load of a flow is that large
+_LOCKED = 1e4  # of a yield stress over the whole body: larger than the load of any flow
 _INVERTED = 1e-3  # least Jacobian of an element, per its mean at the beginning of the path
-_STILL = 1e-9  # of the largest velocity: a control that moves less stands still
+_STILL = 1e-9  # of the largest velocity: a slower control counts as stationary
 
 Fields = Mapping[str, Floats]
 
 
 class FoldedError(PathEndError):
-    """A body touches itself before the shape at which a step is solved, or ends, is reached.
+    """A body touches itself before the configuration at which a step is solved, or ends.
 
     Attributes:
-        fold: where, and how far on the way.
-        warm: of the next attempt at the step.
+        fold: Place of the contact, and the share of the motion at which it occurs.
+        warm: Warm start of the next attempt at the step.
     """
 
     def __init__(self, fold: Fold, warm: WarmStart) -> None:
@@ -55,15 +55,15 @@ class FoldedError(PathEndError):
 
 @dataclass(frozen=True)
 class Here:
-    """Between two steps.
+    """State between two steps.
 
     Attributes:
-        step: the last one; 0 is the beginning.
-        travel: so far.
-        configuration: of the bodies.
-        velocity, strain_rate: of the last step, by body; None at the beginning.
-        speed: of the control in the last step; a guess at the beginning.
-        growth: of the speed from the step before to the last.
+        step: Number of the last step; 0 at the beginning.
+        travel: Travel so far.
+        configuration: Configuration of the bodies.
+        velocity, strain_rate: Fields of the last step, by body; None at the beginning.
+        speed: Speed of the control in the last step; a guess at the beginning.
+        growth: Ratio of the speeds of the last step and the step before.
     """
 
     step: int
@@ -77,16 +77,16 @@ class Here:
 
 @dataclass(frozen=True)
 class Stride:
-    """A step, before it is taken.
+    """Solution of a step, before the bodies move.
 
     Attributes:
-        flow: its velocity moves the bodies.
-        load: its load is reported, for the travel `at`.
-        duration: s.
-        strained: increments of strain by body.
-        speed: of the control.
-        error: see `PathStep.error`.
-        warm: what its solves leave to another attempt.
+        flow: Flow whose velocity moves the bodies.
+        load: Flow whose load is reported, for the travel `at`.
+        duration: Duration, s.
+        strained: Increments of strain by body.
+        speed: Speed of the control.
+        error: See `PathStep.error`.
+        warm: Warm start of another attempt.
     """
 
     flow: Flow
@@ -100,16 +100,22 @@ class Stride:
 
 
 Solved = tuple[Flow, float, WarmStart]
-"""A flow, the speed of the control, and the start of the next solve."""
+"""A flow, the speed of the control, and the warm start of the next solve."""
 
 
 @dataclass(frozen=True)
-class Walk:
-    """What does not change along a path until new meshes are made.
+class StepSolver:
+    """How the next steps are solved.
+
+    It is replaced when bodies get new meshes, and when velocities are selected from a step on.
 
     Attributes:
-        stage, gauge, settings, selection: of the path.
-        solving: called before each solve of a step, with None, and after it, with its state.
+        stage: Problem on the present meshes.
+        gauge: Function that returns the speed of the control.
+        settings: Settings of each solve.
+        selection: How velocities are selected; None takes them as solved.
+        solving: Function that is called before each solve of a step, with None, and after it, with
+            its state.
     """
 
     stage: Stage
@@ -120,14 +126,15 @@ class Walk:
 
     @property
     def size(self) -> float:
-        """Of the largest body, m."""
+        """Size of the largest body, m."""
         return max(body.size for body in self.stage.bodies.values())
 
     def flow(self, moment: Moment, warm: WarmStart) -> Solved:
-        """Solve at a moment.
+        """Solve the limit problem of a moment.
 
         Raises:
-            PathEndError: there is no certified answer, no mesh, or the control stands still.
+            PathEndError: There is no certified answer, a mesh is invalid, or the control is
+                stationary.
         """
         require_upright(self.stage, moment.at)
         _require_unfolded(self.stage, moment.begin, moment.at, warm)
@@ -165,16 +172,16 @@ class Walk:
         return found, speed, warm
 
     def require_safe(self, here: Here, distance: float) -> int:
-        """Dead loads must not collapse the bodies as strong as they are now.
+        """Require that dead loads alone do not collapse the bodies with their present strength.
 
-        Hardening within the step would catch them, in a jump that no step size resolves. Where
-        nothing does, the step itself is unsafe.
+        Hardening within the step would stop such a collapse, in a jump that no step size resolves.
+        Without hardening or contact the step itself is unsafe, and this check is not needed.
 
         Returns:
-            Solves that it took.
+            Number of inner solves.
 
         Raises:
-            PathEndError: they do.
+            PathEndError: The dead loads collapse the bodies.
         """
         if not (self.stage.problem.dead_loads and self.stage.catches):
             return 0
@@ -188,7 +195,7 @@ class Walk:
     def timed(
         self, here: Here, at: Configuration, distance: float, share: float, warm: WarmStart
     ) -> Solved:
-        """The flow of a step that covers a distance, from a first guess of the speed."""
+        """Solve a step that covers a distance, starting from a guess of the speed."""
         speed = here.speed * min(max(here.growth, 0.5), 2.0)
         found, own, warm = self.flow(Moment(here.configuration, at, distance / speed, share), warm)
         for _ in range(_GUESSES):
@@ -203,7 +210,7 @@ class Walk:
 
 
 def _gain(stage: Stage, at: Configuration) -> float:
-    """Most that bodies may have hardened after a step, which strains them by 1 at most."""
+    """Return the largest hardening of the bodies after a step, which strains them by at most 1."""
     gains = [1.0]
     for name, body in stage.bodies.items():
         for region in body.regions:
@@ -214,24 +221,25 @@ def _gain(stage: Stage, at: Configuration) -> float:
     return max(gains)
 
 
-Scheme = Callable[[Walk, Here, float, WarmStart], Stride]
-"""The stride over a distance of the control from where the bodies are."""
+Scheme = Callable[[StepSolver, Here, float, WarmStart], Stride]
+"""Returns the stride over a distance of the control from a state."""
 
 
-def explicit(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
-    """Solved where the step begins; hardening within the step is not seen."""
-    solved = walk.timed(here, here.configuration, distance, 0.0, warm)
-    return _stride(walk, here, solved, distance, here.travel)
+def explicit(solver: StepSolver, here: Here, distance: float, warm: WarmStart) -> Stride:
+    """Solve at the start of the step, without hardening within the step."""
+    solved = solver.timed(here, here.configuration, distance, 0.0, warm)
+    return _stride(solver, here, solved, distance, here.travel)
 
 
-def leapfrog(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
-    """Solved half a step ahead, by the velocity of the step before.
+def leapfrog(solver: StepSolver, here: Here, distance: float, warm: WarmStart) -> Stride:
+    """Solve half a step ahead, at the place that the velocity of the step before leads to.
 
-    The strain there is that of the rate a quarter of a step ahead, between the rate before, of the
-    middle of a step or of the beginning of the path, and the one that is solved for.
+    The strain there follows from the strain rate a quarter of a step ahead. That rate is
+    interpolated between the rate before (in the middle of the last step, or at the beginning of the
+    path) and the rate that is solved for.
     """
     before = _BEFORE if here.velocity is not None else _BEFORE_FIRST
-    here, warm = _started(walk, here, distance, warm)
+    here, warm = _started(solver, here, distance, warm)
     assert here.velocity is not None
     assert here.strain_rate is not None
     ahead = distance / here.speed / 2
@@ -240,41 +248,41 @@ def leapfrog(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride
     )
     still, strained = _scaled(here.velocity, 0.0), _scaled(here.strain_rate, before * ahead)
     known = replace(here, configuration=here.configuration.moved(still, strained))
-    solved = walk.timed(known, middle, distance, (1 - before) / 2, warm)
-    stride = _stride(walk, here, solved, distance, here.travel + distance / 2)
+    solved = solver.timed(known, middle, distance, (1 - before) / 2, warm)
+    stride = _stride(solver, here, solved, distance, here.travel + distance / 2)
     return replace(stride, load=stride.flow.lasting(stride.duration))
 
 
-def implicit_midpoint(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
-    """Solved half way to the end, which it finds by iteration; the load is that at the end."""
-    here, warm = _started(walk, here, distance, warm)
-    found, speed, warm = _settled(walk, here, distance, 0.5, warm)
+def implicit_midpoint(solver: StepSolver, here: Here, distance: float, warm: WarmStart) -> Stride:
+    """Solve half way to the end, which is found by iteration; report the load at the end."""
+    here, warm = _started(solver, here, distance, warm)
+    found, speed, warm = _iterated(solver, here, distance, 0.5, warm)
     duration = distance / speed
     strained = found.hencky_strain(duration)
     if not all(np.all(np.isfinite(values)) for values in strained.values()):
         strained_off = Finding(Kind.STRAIN_TOO_LARGE, severity=Severity.REASON)
         raise PathEndError(Ending.NOT_ITERATED, strained_off)
     end = here.configuration.moved(_scaled(found.velocity, duration), strained)
-    require_upright(walk.stage, end)
-    _require_unfolded(walk.stage, here.configuration, end, warm)
-    load, _, warm = walk.flow(Moment(end, end, duration, 0.0), warm)
-    error = _change(walk, here, found, distance, speed)
+    require_upright(solver.stage, end)
+    _require_unfolded(solver.stage, here.configuration, end, warm)
+    load, _, warm = solver.flow(Moment(end, end, duration, 0.0), warm)
+    error = _change(solver, here, found, distance, speed)
     return Stride(found, load, here.travel + distance, duration, strained, speed, error, warm)
 
 
-def implicit_euler(walk: Walk, here: Here, distance: float, warm: WarmStart) -> Stride:
-    """Solved at the end, which it finds by iteration."""
-    here, warm = _started(walk, here, distance, warm)
-    solved = _settled(walk, here, distance, 1.0, warm)
-    return _stride(walk, here, solved, distance, here.travel + distance)
+def implicit_euler(solver: StepSolver, here: Here, distance: float, warm: WarmStart) -> Stride:
+    """Solve at the end, which is found by iteration."""
+    here, warm = _started(solver, here, distance, warm)
+    solved = _iterated(solver, here, distance, 1.0, warm)
+    return _stride(solver, here, solved, distance, here.travel + distance)
 
 
-def _stride(walk: Walk, here: Here, solved: Solved, distance: float, at: float) -> Stride:
-    """A step that moves the bodies by a flow, which is also its load, for the travel `at`."""
+def _stride(solver: StepSolver, here: Here, solved: Solved, distance: float, at: float) -> Stride:
+    """Return a step whose flow moves the bodies and is its load, for the travel `at`."""
     found, speed, warm = solved
     duration = distance / speed
     strained = _scaled(found.strain_rate, duration)
-    error = _change(walk, here, found, distance, speed)
+    error = _change(solver, here, found, distance, speed)
     return Stride(found, found, at, duration, strained, speed, error, warm)
 
 
@@ -287,10 +295,10 @@ SCHEMES: Mapping[str, Scheme] = {
 
 
 def require_upright(stage: Stage, configuration: Configuration) -> float:
-    """Least Jacobian of all elements, per mean of its element (T31).
+    """Return the least Jacobian of all elements, divided by the mean over its element (T31).
 
     Raises:
-        PathEndError: it is not positive: an element is, or may be, inside out.
+        PathEndError: It is not positive, so an element is inverted or may be.
     """
     least = np.inf
     for name, mesh in stage.meshes_at(configuration).items():
@@ -309,31 +317,35 @@ def require_upright(stage: Stage, configuration: Configuration) -> float:
 def _require_unfolded(
     stage: Stage, before: Configuration, after: Configuration, warm: WarmStart
 ) -> None:
-    """Raise `FoldedError` where a body comes to touch itself as it moves."""
+    """Raise `FoldedError` if a body touches itself during a motion."""
     if before is not after:
         fold = first_fold(stage.meshes_at(before), stage.meshes_at(after), stage.pairs)
         if fold is not None:
             raise FoldedError(fold, warm)
 
 
-def _started(walk: Walk, here: Here, distance: float, warm: WarmStart) -> tuple[Here, WarmStart]:
-    """At the beginning of a path, with the velocity there."""
+def _started(
+    solver: StepSolver, here: Here, distance: float, warm: WarmStart
+) -> tuple[Here, WarmStart]:
+    """Return a state with a velocity, which is solved for at the beginning of a path."""
     if here.velocity is not None:
         return here, warm
-    found, speed, warm = walk.timed(here, here.configuration, distance, 0.5, warm)
+    found, speed, warm = solver.timed(here, here.configuration, distance, 0.5, warm)
     moving = found.velocity, found.strain_rate, speed
     return Here(here.step, here.travel, here.configuration, *moving), warm
 
 
-def _settled(walk: Walk, here: Here, distance: float, share: float, warm: WarmStart) -> Solved:
-    """The flow at a share of the step that it makes itself.
+def _iterated(
+    solver: StepSolver, here: Here, distance: float, share: float, warm: WarmStart
+) -> Solved:
+    """Solve at a share of the step that results from the solution itself, by iteration.
 
     Raises:
-        PathEndError: the iteration does not settle.
+        PathEndError: The iteration does not converge.
     """
     assert here.velocity is not None
     assert here.strain_rate is not None
-    size, mixing, begin = walk.size, Anderson(5, 1.0), here.configuration
+    size, mixing, begin = solver.size, Anderson(5, 1.0), here.configuration
     names = list(begin.nodes)
     shapes = [begin.nodes[name].shape for name in names]
     shapes += [begin.strain[name].shape for name in names]
@@ -359,7 +371,7 @@ def _settled(walk: Walk, here: Here, distance: float, share: float, warm: WarmSt
     values = packed(here.velocity, here.strain_rate, distance / speed)
     for _ in range(_ITERATIONS):
         moment = Moment(begin, unpacked(values), distance / speed, share)
-        found, speed, warm = walk.flow(moment, warm)
+        found, speed, warm = solver.flow(moment, warm)
         image = packed(found.velocity, found.strain_rate, distance / speed)
         changes.append(float(np.abs(image - values).max()) / size)
         if closest is None or changes[-1] <= min(changes):
@@ -375,12 +387,12 @@ def _scaled(fields: Fields, factor: float) -> dict[str, Floats]:
     return {name: factor * values for name, values in fields.items()}
 
 
-def _change(walk: Walk, here: Here, found: Flow, distance: float, speed: float) -> float:
-    """Displacement by which the step differs from one like that before, half of it, per size."""
+def _change(solver: StepSolver, here: Here, found: Flow, distance: float, speed: float) -> float:
+    """Return half the displacement between this step and one at the last velocity, per size."""
     if here.velocity is None:
         return float("nan")
     changes = [
         float(np.abs(values / speed - here.velocity[name] / here.speed).max())
         for name, values in found.velocity.items()
     ]
-    return distance * max(changes) / 2 / walk.size
+    return distance * max(changes) / 2 / solver.size

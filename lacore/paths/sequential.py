@@ -28,7 +28,7 @@ from lacore.paths.pace import AdaptiveSteps, Pace
 from lacore.paths.path import Path, PathStep
 from lacore.paths.renewal.mesher import Remeshing
 from lacore.paths.renewal.remeshing import Remesh, again, described
-from lacore.paths.schemes import SCHEMES, Here, Walk
+from lacore.paths.schemes import SCHEMES, Here, StepSolver
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
 from lacore.paths.steady import Steady
@@ -181,9 +181,9 @@ def sequential(
             stage, gauge, control = _resumed(progress, stage, gauge, control, log)
         call = Caller(given_hooks, log, settings, here)
         selects = drift.selection_after(log.events, selection)
-        walk = Walk(stage, gauge, settings, selects, call.solving)
+        solver = StepSolver(stage, gauge, settings, selects, call.solving)
         plan = Plan(SCHEMES[scheme], remesh, until, save, on_step or (lambda row: None))
-        return call.end(*follow(walk, control, here, plan, pace, log, call))
+        return call.end(*follow(solver, control, here, plan, pace, log, call))
 
 
 def _check(

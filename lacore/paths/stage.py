@@ -1,7 +1,7 @@
-"""A problem made ready for a path: curved meshes, names for all boundaries, contact.
+"""Prepare a problem for a path: curved meshes, names for all boundaries, and contact.
 
-Boundaries are selected once, where the bodies are at the beginning; whatever stands or presses
-there goes with them.
+Boundaries are selected once, on the bodies at the beginning. Supports, loads and contact then move
+with these boundaries.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,11 +44,11 @@ from lacore.reporting.text import Term, text
 
 @dataclass(frozen=True, repr=False)
 class ProblemOnPath(Problem):
-    """A problem whose bodies may meet others along a path, in contact that it does not state.
+    """A problem whose bodies may touch others along a path, in contact that its interfaces omit.
 
     Attributes:
-        meets: edges of the bodies that may touch others, by body.
-        drives: motions of the tools that move together, see `Problem.driven`.
+        meets: Edges of the bodies that may touch others, by body.
+        drives: Motions of the tools that move together, see `Problem.driven`.
     """
 
     meets: Mapping[str, Ints] = field(default_factory=dict)
@@ -67,16 +67,16 @@ class ProblemOnPath(Problem):
 
 @dataclass(frozen=True, repr=False)
 class Stage(Compact):
-    """What does not change along a path.
+    """The problem on one set of meshes.
 
     Attributes:
-        problem: the first configuration; every `where` is a name, and all interfaces are bonds, of
-            nodes that move as one.
-        obstacles: of the interfaces, those that touch and those that bodies may come to.
-        pairs: of bodies that touch, or may come to do so.
-        grips: nodes of the point forces, in their order among all reference, then dead loads; -1 of
-            those on rigid blocks.
-        interfaces: those of the obstacles, then of the pairs, by names of boundaries.
+        problem: Problem on the first configuration of these meshes. Every `where` is a name, and
+            all interfaces are bonds, whose nodes move as one.
+        obstacles: Obstacles of the interfaces, whether bodies touch them or may reach them.
+        pairs: Pairs of bodies that touch or may touch.
+        grips: Nodes of the point forces, in their order among the reference loads and then the
+            dead loads; -1 for forces on rigid blocks.
+        interfaces: Interfaces of the obstacles, then of the pairs, by names of boundaries.
     """
 
     problem: Problem
@@ -87,17 +87,17 @@ class Stage(Compact):
 
     @property
     def bodies(self) -> dict[str, Body]:
-        """The deformable bodies where they are at the beginning."""
+        """The deformable bodies on the first configuration."""
         return of_kind(self.problem.bodies, Body)
 
     @property
     def rigid(self) -> dict[str, BlockAssembly]:
-        """The rigid blocks where they are at the beginning."""
+        """The rigid blocks on the first configuration."""
         return of_kind(self.problem.bodies, BlockAssembly)
 
     @property
     def drawn(self) -> list[str]:
-        """Names of the rigid blocks whose polygons are their outlines: not those of tools."""
+        """Names of the rigid blocks whose polygons are their outlines, which excludes tools."""
         return [name for name in self.rigid if name not in self.tools]
 
     @property
@@ -107,14 +107,14 @@ class Stage(Compact):
 
     @cached_property
     def catches(self) -> bool:
-        """Whether a step can stop what dead loads alone collapse: by hardening, or by contact."""
+        """Whether hardening or contact can stop a collapse under dead loads within a step."""
         regions = [region for body in self.bodies.values() for region in body.regions]
         hardens = any(not region.form.surfaces for region in regions)
         return hardens or bool(self.interfaces)
 
     @cached_property
     def turns(self) -> dict[str, Floats]:
-        """+1 of elements that turn anticlockwise at the beginning, else -1, by body."""
+        """Orientation of the elements, by body: +1 for anticlockwise nodes, else -1."""
         return {
             name: np.sign(signed_jacobians(body.mesh).sum(axis=1))
             for name, body in self.bodies.items()
@@ -122,7 +122,7 @@ class Stage(Compact):
 
     @property
     def start(self) -> Configuration:
-        """The first configuration: nothing has strained."""
+        """The first configuration, without strain."""
         shapes = {
             name: (body.mesh.nelements, SPACES[body.space].points.shape[1])
             for name, body in self.bodies.items()
@@ -135,27 +135,27 @@ class Stage(Compact):
         )
 
     def meshes_at(self, configuration: Configuration) -> dict[str, Mesh]:
-        """The meshes on a configuration, by body, whatever they look like."""
+        """Return the meshes on a configuration, by body, even if they are invalid."""
         return {
             name: replace(body.mesh, doflocs=configuration.nodes[name])
             for name, body in self.bodies.items()
         }
 
     def bodies_at(self, configuration: Configuration) -> dict[str, Body]:
-        """The bodies on a configuration, by name; see `at` for errors."""
+        """Return the deformable bodies on a configuration, by name; see `at` for errors."""
         meshes = self.meshes_at(configuration)
         return {name: replace(body, mesh=meshes[name]) for name, body in self.bodies.items()}
 
     def plane_bodies_at(self, configuration: Configuration) -> dict[str, PlaneBody]:
-        """All bodies on a configuration, rigid blocks too; see `at` for errors."""
+        """Return all bodies on a configuration, including rigid blocks; see `at` for errors."""
         return {**self.bodies_at(configuration), **self.blocks_at(configuration)}
 
     def blocks_at(self, configuration: Configuration) -> dict[str, BlockAssembly]:
-        """The rigid blocks on a configuration, by name."""
+        """Return the rigid blocks on a configuration, by name."""
         return {name: placed(body, configuration.nodes[name]) for name, body in self.rigid.items()}
 
     def obstacles_at(self, configuration: Configuration) -> tuple[Obstacle, ...]:
-        """The obstacles on a configuration: those that tools carry have moved."""
+        """Return the obstacles on a configuration, moved with the tools that carry them."""
         shapes = self.shapes_at(configuration)
         return tuple(
             own if own.carrier is None else replace(own, shape=shapes[own.carrier])
@@ -163,7 +163,7 @@ class Stage(Compact):
         )
 
     def shapes_at(self, configuration: Configuration) -> dict[str, MovedShape]:
-        """The shapes of the tools on a configuration, by name."""
+        """Return the shapes of the tools on a configuration, by name."""
         places, blocks = configuration.nodes, self.rigid
         return {
             own.carrier: moved_shape(own.shape, blocks[own.carrier].centroid, places[own.carrier])
@@ -172,14 +172,14 @@ class Stage(Compact):
         }
 
     def dofs_at(self, configuration: Configuration) -> dict[str, BodyDofs]:
-        """The unknowns of the bodies on a configuration, by name; see `at` for errors."""
+        """Return the unknowns of the bodies on a configuration, by name; see `at` for errors."""
         return numbered(self.bodies_at(configuration), BodyDofs.at)
 
     def at(self, configuration: Configuration) -> Problem:
-        """The problem on a configuration.
+        """Return the problem on a configuration.
 
         Raises:
-            InputError: a mesh that is inverted or overlaps there.
+            InputError: A mesh is inverted or overlaps there.
         """
         bodies = self.plane_bodies_at(configuration)
         grips = iter(self.grips)
@@ -218,20 +218,21 @@ def staged(
     tools: Tooling = NO_TOOLS,
     depth: float = TOUCH,
 ) -> Stage:
-    """A problem made ready for a path.
+    """Prepare a problem for a path.
 
     Args:
-        problem: bodies that deform, which get curved elements, of an isoparametric space, and
-            single rigid blocks.
-        approaching: more interfaces, whose sides need not touch yet.
-        drives: motions of the tools that move together, see `Problem.driven`; None of none.
-        tools: of an exact shape.
-        depth: up to which bodies may overlap, of the size of the larger one.
+        problem: Problem with deformable bodies, which get curved elements of an isoparametric
+            space, and with single rigid blocks.
+        approaching: Additional interfaces, whose sides need not touch yet.
+        drives: Motions of the tools that move together, see `Problem.driven`; None without any.
+        tools: Tools of an exact shape.
+        depth: Largest overlap of two bodies, relative to the size of the larger one.
 
     Raises:
-        InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
-            edges that do not match, contact that dilates or holds in tension, two obstacles of one
-            face for one edge, bodies that begin behind an obstacle or in each other.
+        InputError: The problem contains frames, three-dimensional bodies, plane stress, several
+            blocks in one assembly, bonds of edges that do not match, contact with dilation or
+            tension, two obstacles with one face for the same edge, bodies behind an obstacle, or
+            bodies that overlap.
     """
     _check_stated(problem, approaching)
     rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools.blocks)
@@ -363,23 +364,24 @@ def _bond(interface: Interface, bodies: Mapping[str, Body], names: Names) -> Int
 
 
 def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> str:
-    """The boundary of a side that is bonded."""
+    """Return the name of the boundary of a bonded side."""
     if name not in bodies:
         raise InputError(
             "Interface.friction",
             "BOND",
-            f"along a path bodies that deform are bonded, and {name!r} is rigid",
+            f"along a path only deformable bodies can be bonded, and {name!r} is rigid",
             text("give a friction, {} for one that does not slip", terms.STICK),
         )
     return names.of(bodies[name], name, where, "Interface.slave")
 
 
 def _ties(interface: Interface) -> bool:
+    """Whether an interface bonds two bodies."""
     return interface.bonded and interface.obstacle is None
 
 
 def _check_tied(problem: Problem) -> None:
-    """Bonds of edges that match, so that no velocity jumps, and nothing parts as bodies deform."""
+    """Require that the edges of bonds match, so that velocities are continuous across them."""
     tied = ties(problem, numbered(of_kind(problem.bodies, Body), BodyDofs.at)).tied
     for index, interface in enumerate(problem.interfaces):
         if not tied[index].all():

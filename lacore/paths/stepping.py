@@ -1,4 +1,4 @@
-"""The steps of a path, one after the other, with new meshes where they are needed."""
+"""Take the steps of a path one after the other, and make new meshes when they are needed."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ from lacore.paths.renewal.remeshing import (
     restaged,
     transfer_text,
 )
-from lacore.paths.schemes import FoldedError, Here, Scheme, Stride, Walk, require_upright
+from lacore.paths.schemes import FoldedError, Here, Scheme, StepSolver, Stride, require_upright
 from lacore.paths.selection import LeastNorm
 from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady
@@ -34,17 +34,17 @@ from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity, text
 
-_AHEAD = 1e-5  # of a step that ends that much before a body touches itself, so that it is a mesh
-_SHORTEST = 1e-9  # of a step: no shorter part of it is tried
+_AHEAD = 1e-5  # of a step, by which it ends before a body touches itself, so the mesh stays valid
+_SHORTEST = 1e-9  # of a step: shorter parts of it are not tried
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How a path is followed; see `lacore.sequential` for all fields but these.
+    """How a path is followed; see `lacore.sequential` for the other fields.
 
     Attributes:
-        scheme: Of each step.
-        save: Called after each step with the path so far.
+        scheme: Scheme of each step.
+        save: Function that is called after each step with the path so far.
     """
 
     scheme: Scheme
@@ -55,28 +55,27 @@ class Plan:
 
 
 def follow(
-    walk: Walk, control: Control, here: Here, plan: Plan, pace: Pace, log: Log, call: Caller
+    solver: StepSolver, control: Control, here: Here, plan: Plan, pace: Pace, log: Log, call: Caller
 ) -> tuple[Ending, tuple[Finding, ...]]:
-    """Take all steps of a path; return why it ends, and what there is to report of that."""
+    """Take all steps of a path; return why it ends, and the findings about the end."""
     try:
         while (distance := pace.distance(here.travel)) > 0:
             if steady := _steady(plan.until, call):
                 return Ending.STEADY, steady
-            fresh = bool(log.later) and log.later[-1][0] == here.step + 1
-            remesh = None if fresh else plan.remesh
-            poor = distorted(remesh, walk.stage, here.configuration)
+            remesh = None if log.remeshed_before(here.step + 1) else plan.remesh
+            poor = distorted(remesh, solver.stage, here.configuration)
             taken = None
             if not poor:
                 call(BEFORE_STEP, here)
-                taken = _taken(walk, plan.scheme, here, distance, pace, log, remesh)
+                taken = _taken(solver, plan.scheme, here, distance, pace, log, remesh)
             if taken is None and remesh is not None:
-                moved = control_on_new_mesh(control, walk.stage, here.configuration)
+                moved = control_on_new_mesh(control, solver.stage, here.configuration)
                 call(BEFORE_REMESHING, here)
-                walk, here = _remeshed(walk, here, distance, remesh, poor, moved, log)
+                solver, here = _remeshed(solver, here, distance, remesh, poor, moved, log)
                 control = moved
                 call(AFTER_REMESHING, here)
             elif taken is not None:
-                walk, here = taken
+                solver, here = taken
                 plan.save(log.progress(here, pace.next))
                 call(AFTER_STEP, here)
                 plan.on_step(log.rows[-1])
@@ -94,17 +93,17 @@ def _steady(until: Steady | None, call: Caller) -> tuple[Finding, ...]:
 
 
 def _taken(
-    walk: Walk,
+    solver: StepSolver,
     scheme: Scheme,
     here: Here,
     distance: float,
     pace: Pace,
     log: Log,
     remesh: Remesh | None,
-) -> tuple[Walk, Here] | None:
-    """Return what `_step` returns; None where an element would be inverted and may be renewed."""
+) -> tuple[StepSolver, Here] | None:
+    """Take a step; return None if it would invert an element and new meshes may follow."""
     try:
-        return _step(walk, scheme, here, distance, pace, log)
+        return _step(solver, scheme, here, distance, pace, log)
     except PathEndError as stop:
         inverted = stop.ending is Ending.INVERSION
         if inverted:
@@ -115,52 +114,57 @@ def _taken(
 
 
 def _step(
-    walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log
-) -> tuple[Walk, Here]:
-    """The next place, after as many attempts as the pace asks for, and how the path goes on.
+    solver: StepSolver, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log
+) -> tuple[StepSolver, Here]:
+    """Take a step, with as many attempts as the pace requires.
 
-    Where bodies begin to drift, the step is taken again with a velocity that is selected.
+    If bodies begin to drift, the step is repeated with a selected velocity.
+
+    Returns:
+        The solver of the next step, and the state after this one.
     """
     begin = time.perf_counter()
     for event in log.events:
         if event.kind == FOLDED and event.step == here.step:
             folded = Finding(Kind.EVENT, (), {"what": event.what}, Severity.DETAIL)
             raise PathEndError(Ending.FOLDED, folded)
-    warm = WarmStart(here.velocity, solves=walk.require_safe(here, distance))
-    stride, there, jacobian, fold = _whole_or_to_fold(walk, scheme, here, distance, pace, warm)
-    if _begins_to_drift(walk, stride, there, there.travel - here.travel, log):
-        return _step(replace(walk, selection=LeastNorm()), scheme, here, distance, pace, log)
+    warm = WarmStart(here.velocity, solves=solver.require_safe(here, distance))
+    stride, there, jacobian, fold = _whole_or_to_fold(solver, scheme, here, distance, pace, warm)
+    if _report_drift(solver, stride, there, there.travel - here.travel, log):
+        return _step(replace(solver, selection=LeastNorm()), scheme, here, distance, pace, log)
     distance = there.travel - here.travel
     pace.learn(distance, stride.error)
-    volume = _volume(walk.stage, there)
-    _require_apart(walk.stage, there)
+    volume = _volume(solver.stage, there)
+    _require_apart(solver.stage, there)
     log.step(here, there, stride, jacobian, volume, time.perf_counter() - begin)
     if fold is not None:
         log.event(FOLDED, there.step, here.travel + fold.share * distance, text("{}", fold.finding))
-    return walk, there
+    return solver, there
 
 
 def _whole_or_to_fold(
-    walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, warm: WarmStart
+    solver: StepSolver, scheme: Scheme, here: Here, distance: float, pace: Pace, warm: WarmStart
 ) -> tuple[Stride, Here, float, Fold | None]:
-    """Return the step that the pace accepts, where it leads, and the fold that ends it.
+    """Return the step that the pace accepts, the state after it, and the fold that ends it.
 
-    An element that would turn over comes first: new meshes may follow. The third value is the least
-    Jacobian, see `require_upright`.
+    Inverted elements are checked before folds, because new meshes may follow. The third value is
+    the least Jacobian, see `require_upright`.
 
     Args:
-        walk, scheme, pace: of the path.
-        here: where the step begins.
-        distance: of the first attempt.
-        warm: of the first attempt; each attempt leaves one to the next.
+        solver: Solver of the step.
+        scheme: Scheme of the path.
+        here: State before the step.
+        distance: Distance of the first attempt.
+        pace: Pace of the path.
+        warm: Warm start of the first attempt; each attempt returns that of the next one.
 
     Raises:
-        PathEndError: the path ends before the step.
+        PathEndError: The path ends before the step.
     """
     shortest = _SHORTEST * distance
     while True:
         try:
-            stride = scheme(walk, here, distance, warm)
+            stride = scheme(solver, here, distance, warm)
             warm = stride.warm
             if not pace.accepts(stride.error):
                 distance = pace.shorter(distance, stride.error)
@@ -182,10 +186,10 @@ def _whole_or_to_fold(
             speed=stride.speed,
             growth=1.0 if here.velocity is None else stride.speed / here.speed,
         )
-        jacobian = require_upright(walk.stage, configuration)
+        jacobian = require_upright(solver.stage, configuration)
         further = {name: (1 + _AHEAD) * moved for name, moved in moves.items()}
         beyond = here.configuration.moved(further, stride.strained)
-        stage = walk.stage
+        stage = solver.stage
         before, after = stage.meshes_at(here.configuration), stage.meshes_at(beyond)
         fold = first_fold(before, after, stage.pairs)
         if fold is not None:
@@ -195,19 +199,24 @@ def _whole_or_to_fold(
         distance *= fold.share / (1 + _AHEAD / 2)
 
 
-def _begins_to_drift(walk: Walk, stride: Stride, there: Here, distance: float, log: Log) -> bool:
-    """Whether bodies begin to drift; an event once per path, or where no velocity is selected."""
-    selects, kinds = walk.selection is not None, {event.kind for event in log.events}
+def _report_drift(
+    solver: StepSolver, stride: Stride, there: Here, distance: float, log: Log
+) -> bool:
+    """Record a drift of the bodies as an event; return whether to repeat the step.
+
+    A drift is recorded once per path, and whenever no velocity can be selected.
+    """
+    selects, kinds = solver.selection is not None, {event.kind for event in log.events}
     if selects and stride.flow.selected is None:
         what = "the solver finds no admissible one: the velocity as solved is taken"
         log.event(drift.LOST, there.step, there.travel, what)
         return False
     if {drift.DRIFTS, drift.SELECTED} & kinds:
         return False
-    looked = selects or drift.due(log.rows, stride.error, distance)
-    if looked and (said := drift.described(stride.flow)):
+    checked = selects or drift.due(log.rows, stride.error, distance)
+    if checked and (description := drift.described(stride.flow)):
         kind = drift.SELECTED if selects else drift.DRIFTS
-        log.event(kind, there.step, there.travel, said)
+        log.event(kind, there.step, there.travel, description)
         if not selects and (late := drift.too_late(log.last)):
             log.event(drift.LATE, there.step, there.travel, late)
         return not selects
@@ -215,23 +224,23 @@ def _begins_to_drift(walk: Walk, stride: Stride, there: Here, distance: float, l
 
 
 def _remeshed(
-    walk: Walk,
+    solver: StepSolver,
     here: Here,
     distance: float,
     remesh: Remesh,
     poor: Sequence[str],
     control: Control,
     log: Log,
-) -> tuple[Walk, Here]:
-    """The same place on new meshes, those of `poor` bodies, or of all where none is.
+) -> tuple[StepSolver, Here]:
+    """Return the solver and the state on new meshes of the `poor` bodies, or of all if none is.
 
     Raises:
-        PathEndError: they cannot be taken.
+        PathEndError: The new meshes cannot be used.
     """
-    old = walk.stage
+    old = solver.stage
     try:
         meshes = new_meshes(remesh, old, here.configuration, poor, control)
-    except Exception as error:  # of others: what was found so far must not be lost with it
+    except Exception as error:  # of users' code: the path so far must not be lost with it
         values = {"error": text("{}: {}", type(error).__name__, getattr(error, "text", error))}
         failed = Finding(Kind.REMESHING_FAILED, (), values, Severity.REASON)
         raise PathEndError(Ending.NOT_REMESHED, failed) from error
@@ -241,10 +250,10 @@ def _remeshed(
     except InputError as wrong:
         raise PathEndError(Ending.NOT_REMESHED, refused(wrong, Severity.REASON)) from wrong
     there = Here(here.step, here.travel, configuration, None, None, here.speed)
-    after = replace(walk, stage=stage, gauge=gauge)
+    after = replace(solver, stage=stage, gauge=gauge)
     loads = [
         _load(own, Moment(at.configuration, at.configuration, distance / here.speed, 0.0), at)
-        for own, at in ((walk, here), (after, there))
+        for own, at in ((solver, here), (after, there))
     ]
     volumes = [_volume(old, here), _volume(stage, there)]
     jumps = [now / before - 1 for before, now in (volumes, loads)]
@@ -258,10 +267,10 @@ def _remeshed(
     return after, there
 
 
-def _load(walk: Walk, moment: Moment, at: Here) -> float:
-    """At a moment; NaN where there is none."""
+def _load(solver: StepSolver, moment: Moment, at: Here) -> float:
+    """Return the load factor at a moment; NaN without a certified one."""
     try:
-        return walk.flow(moment, WarmStart(at.velocity))[0].load_factor
+        return solver.flow(moment, WarmStart(at.velocity))[0].load_factor
     except PathEndError as stop:
         if stop.ending is Ending.STOPPED:
             raise
@@ -269,7 +278,7 @@ def _load(walk: Walk, moment: Moment, at: Here) -> float:
 
 
 def _require_apart(stage: Stage, there: Here) -> None:
-    """Raise `PathEndError` where a corner of one body is inside another."""
+    """Raise `PathEndError` if a corner of one body is inside another one."""
     if not stage.pairs:
         return
     bodies = stage.plane_bodies_at(there.configuration)
@@ -282,10 +291,10 @@ def _require_apart(stage: Stage, there: Here) -> None:
 
 
 def _volume(stage: Stage, there: Here) -> float:
-    """Of all bodies, m^3.
+    """Return the volume of all bodies, m^3.
 
     Raises:
-        PathEndError: they are no bodies any more: elements overlap.
+        PathEndError: Elements overlap.
     """
     try:
         now = stage.dofs_at(there.configuration)

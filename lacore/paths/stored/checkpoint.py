@@ -14,7 +14,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path as File
 from types import TracebackType
 from typing import Any, Self
@@ -25,6 +25,7 @@ from skfem import Mesh
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore import __version__
+from lacore.coupling.friction_start import FrictionStart
 from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment
@@ -277,8 +278,7 @@ class _Packing:
             arrays |= self.configuration(f"{key}/begin", moment.begin)
             arrays |= self.configuration(f"{key}/at", moment.at)
             friction = {
-                f"{key}/normal_reaction": moment.normal_reaction,
-                f"{key}/slip": moment.slip,
+                f"{key}/{name}": values for name, values in vars(moment.friction_start).items()
             }
             arrays |= {name: values for name, values in friction.items() if values is not None}
         return arrays
@@ -332,6 +332,11 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
     def configuration(key: str) -> Configuration:
         return Configuration(unpack(f"{key}/nodes"), unpack(f"{key}/strain"))
 
+    def moment(key: str, duration: float, share: float) -> Moment:
+        start = FrictionStart(arrays.get(f"{key}/normal_reaction"), arrays.get(f"{key}/slip"))
+        begin, at = configuration(f"{key}/begin"), configuration(f"{key}/at")
+        return Moment(begin, at, duration, share, start)
+
     columns = {entry.name: arrays[f"row/{entry.name}"].tolist() for entry in fields(PathStep)}
     rows = zip(*columns.values(), strict=True)
     return Progress(
@@ -352,16 +357,7 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
                 configuration=configuration(f"snapshot/{place}"),
                 velocity=unpack(f"snapshot/{place}/velocity"),
                 strain_rate=unpack(f"snapshot/{place}/strain_rate"),
-                moment=own["moment"]
-                and replace(
-                    Moment(
-                        configuration(f"snapshot/{place}/begin"),
-                        configuration(f"snapshot/{place}/at"),
-                        *own["moment"],
-                    ),
-                    normal_reaction=arrays.get(f"snapshot/{place}/normal_reaction"),
-                    slip=arrays.get(f"snapshot/{place}/slip"),
-                ),
+                moment=own["moment"] and moment(f"snapshot/{place}", *own["moment"]),
             )
             for place, own in enumerate(head["snapshots"])
         ],

@@ -148,8 +148,8 @@ def _check_snapshots(progress: Progress, start: Configuration) -> None:
             _number(f"{name}, share", own.moment.share)
             if not 0 <= own.moment.share <= 1:
                 raise WrongFieldError(f"{name}, share", "is outside [0, 1]")
-            _check_friction(f"{name}, normal_reaction", own.moment.normal_reaction)
-            _check_friction(f"{name}, slip", own.moment.slip)
+            _check_friction(f"{name}, normal_reaction", own.moment.friction_start.normal_reaction)
+            _check_friction(f"{name}, slip", own.moment.friction_start.slip)
             _check_strain(name, own, progress.rows[own.step - 1])
     if steps != sorted(set(steps)) or steps[0] != 0 or last.step != here.step:
         raise WrongFieldError("snapshots", "are not those of steps in their order")

@@ -128,7 +128,7 @@ def test_a_moment_begins_where_the_one_before_in_its_step_ended():
     """So it is in a state that is solved again, and in a file; steps begin without."""
     problem, approaching = billet()
     path = la.sequential(problem, 0.05, 1, "implicit-euler", approaching=approaching)
-    normal_reaction, state = path.snapshot(1).moment.normal_reaction, path.state(1)
+    normal_reaction, state = path.snapshot(1).moment.friction_start.normal_reaction, path.state(1)
     assert kinds(state)[0] == "K"
     # The last two iterates of a step have the same velocity to 1e-5 of the body.
     reactions = state.point.normal_reaction
@@ -139,7 +139,7 @@ def test_a_step_begins_at_the_slip_of_the_one_before():
     """So does a state that is solved again, and of the first step there is none."""
     problem, _ = billet()
     path = la.sequential(problem, 0.15, 3)
-    first, second = (path.snapshot(step).moment for step in (1, 2))
+    first, second = (path.snapshot(step).moment.friction_start for step in (1, 2))
     assert first.slip is second.normal_reaction is None
     state = path.state(2)
     assert kinds(state)[0] == "rough S"

@@ -15,6 +15,7 @@ import pandas as pd
 import pytest
 
 import lacore as la
+from lacore.coupling.friction_start import FrictionStart
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment
 from lacore.paths.path import Snapshot
@@ -269,7 +270,8 @@ def test_all_that_a_step_needs_is_kept():
     """Who adds a field to one of these adds it to the file, and raises its format."""
     known = {
         Here: ["step", "travel", "configuration", "velocity", "strain_rate", "speed", "growth"],
-        Moment: ["begin", "at", "duration", "share", "normal_reaction", "slip"],
+        Moment: ["begin", "at", "duration", "share", "friction_start"],
+        FrictionStart: ["normal_reaction", "slip"],
         Configuration: ["nodes", "strain"],
         Snapshot: [
             "step",

@@ -28,17 +28,17 @@ def test_the_travel_of_a_point_is_in_metres(direction, length):
 
 def test_the_error_of_a_step_is_that_of_a_velocity_that_changes_evenly():
     """From 1 to 3 over a step of 0.1: half of the change times the step, per size 2."""
-    walk = SimpleNamespace(size=2.0)
+    solver = SimpleNamespace(size=2.0)
     here = SimpleNamespace(velocity={"b": np.full((2, 3), 1.0)}, speed=1.0)
     found = SimpleNamespace(velocity={"b": np.full((2, 3), 3.0)})
     evenly = np.mean(np.linspace(1.0, 3.0, 101))  # velocity that moves it as far
     exact = 0.1 * (evenly - 1.0) / 2.0
-    assert _change(walk, here, found, 0.1, 1.0) == pytest.approx(exact)
+    assert _change(solver, here, found, 0.1, 1.0) == pytest.approx(exact)
     # Velocities are compared per travel, however fast the load drives them.
     twice = SimpleNamespace(velocity={"b": np.full((2, 3), 6.0)})
-    assert _change(walk, here, twice, 0.1, 2.0) == pytest.approx(exact)
+    assert _change(solver, here, twice, 0.1, 2.0) == pytest.approx(exact)
     first = SimpleNamespace(velocity=None, speed=1.0)
-    assert np.isnan(_change(walk, first, found, 0.1, 1.0))
+    assert np.isnan(_change(solver, first, found, 0.1, 1.0))
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 1.5])

@@ -1,7 +1,6 @@
 """The limit problems of a copy of a path, solved as those of the path itself."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -9,7 +8,7 @@ from scipy.spatial import cKDTree
 import lacore as la
 from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
-from lacore.paths.flow import flow
+from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
 
@@ -25,7 +24,7 @@ def same_load(name: str, path: la.Path, copy: la.Path) -> Iterator[Wrong]:
     assert moment is not None
     assert state is not None
     begin, at = (moved_back(own, copy.stage, path.stage) for own in (moment.begin, moment.at))
-    here = replace(moment, begin=begin, at=at, normal_reaction=None, slip=None)
+    here = Moment(begin, at, moment.duration, moment.share)
     found = flow(path.stage, here, path.settings).state
     if found.status is la.Status.SOLVED:
         load = np.array([state.load_factor])
