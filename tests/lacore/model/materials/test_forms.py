@@ -164,9 +164,9 @@ def test_the_first_place_where_a_function_is_no_strength_is_reported():
         called("x", lambda x: np.where(x[0] > 0.5, np.inf, 1.0), places, (3,))
     with pytest.raises(la.InputError, match="coordinates of shape"):
         called("x", lambda x: x[0][:2], places, (3,))
+    wrong = [[1.0, 1.0, 1.0], [1.0, 1.0, np.nan]]
     with pytest.raises(la.InputError, match=r"at \(2, 6\): not a finite number"):
-        vectors = [[1.0, 1.0, 1.0], [1.0, 1.0, np.nan]]
-        called("x", lambda x: vectors, places, (2, 3), least=-np.inf)
+        called("x", lambda x: wrong, places, (2, 3), least=-np.inf)
     vectors = called("x", lambda x: [1.0, -2.0], places, (2, 3), least=-np.inf)
     assert vectors.tolist() == [[1.0] * 3, [-2.0] * 3]
 
