@@ -310,3 +310,33 @@ def test_shapes_are_drawn_on_their_faces(radius):
     assert drawn[:, 1] == pytest.approx([1, 1])
     assert drawn[1, [0, 2]].min() > 3.0
     assert drawn[0, 0] < -1.0 < 3.0 < drawn[0, 2]
+
+
+@pytest.mark.parametrize("tip", [(1, 1), (-50, 1), (1, -80)])
+def test_faces_of_a_wedge_are_drawn_beyond_a_box(tip):
+    """As far from the tip as any corner of the box, at least."""
+    low, high = np.array([-1.0, -1.0]), np.array([3.0, 3.0])
+    drawn = wedge(tip, 30.0).outline(low, high)
+    farthest = max(np.hypot(x - tip[0], y - tip[1]) for x in (-1, 3) for y in (-1, 3))
+    lengths = np.linalg.norm(drawn[:, [0, 2]] - drawn[:, [1]], axis=0)
+    assert lengths.min() >= farthest
+
+
+def test_joints_within_an_assembly_are_not_those_of_its_interface():
+    """Two boxes next to each other on two others: only those across are contacts, whichever is the slave."""
+
+    def row(height, *names):
+        return la.BlockAssembly3D(
+            {name: box((i, 0, height), (i + 1, 1, height + 1)) for i, name in enumerate(names)},
+            0.5,
+        )
+
+    for below, above in (("a", "bc"), ("ab", "c"), ("ab", "cd")):
+        bodies = {"low": row(0, *below), "top": row(1, *above)}
+        found = touching(("top", on(2, 1)), ("low", on(2, 1)), bodies)
+        shared = min(len(below), len(above))
+        assert found.slave.size == shared
+        assert found.weight.sum() == pytest.approx(shared)
+        turned = touching(("low", on(2, 1)), ("top", on(2, 1)), bodies)
+        assert turned.weight.sum() == pytest.approx(shared)
+        assert turned.normal == pytest.approx(-found.normal)
