@@ -120,8 +120,13 @@ class SolverWorker:
         self._idle_from_now()
 
     def rest(self) -> str:
-        """Return what the backend has left running; empty if nothing. Idling begins here."""
+        """Return what the backend has left running; empty if nothing. Idling begins here.
+
+        Nothing is left as long as a solver is prepared: what runs may belong to it.
+        """
         self._idle_from_now()
+        if self._solvers:
+            return ""
         threads = [thread.name for thread in set(threading.enumerate()) - self._threads]
         found = []
         if threads:
@@ -135,7 +140,12 @@ class SolverWorker:
         self._rest = time.perf_counter(), time.process_time()
 
     def was_busy(self) -> bool:
-        """Return whether the process computed between requests, as native threads may."""
+        """Return whether the process computed between requests, as native threads may.
+
+        As long as a solver is prepared it may, and the process has to be kept for it.
+        """
+        if self._solvers:
+            return False
         idle, used = (
             now - then
             for now, then in zip(

@@ -1,7 +1,8 @@
 """Starting and compiling a backend is no part of the time of a solve."""
 
 import time
-from threading import Thread
+from threading import Event, Thread
+from types import SimpleNamespace
 
 import pytest
 
@@ -122,6 +123,39 @@ def test_compilation_is_not_taken_for_threads_that_were_left_behind(monkeypatch)
     CLOCKS["perf_counter"] += 1.0
     CLOCKS["process_time"] += 1.0
     assert worker.was_busy()
+
+
+class RunsAThread(Works):
+    """A thread for each prepared solver, until it is closed."""
+
+    def prepare(self, program, options):
+        end = Event()
+        Thread(target=end.wait, name="of a solver", daemon=True).start()
+        return SimpleNamespace(solve=lambda contact: None, close=end.set)
+
+
+def test_a_process_in_which_a_solver_is_prepared_is_kept(monkeypatch):
+    """What runs and computes there may belong to this solver, which would be lost."""
+    for name in CLOCKS:
+        monkeypatch.setattr(time, name, lambda name=name: CLOCKS[name])
+    program = la.discretise(la.examples.beam()).program
+    worker = SolverWorker()
+    worker.open(f"{__name__}:RunsAThread", "")
+    for number in (1, 2):
+        worker.prepare(number, program, {})
+    worker.close(2)
+    CLOCKS["perf_counter"] += 1.0
+    CLOCKS["process_time"] += 1.0
+    assert not worker.was_busy()
+    assert worker.rest() == ""
+    worker.prepare(3, program, {})
+    solvers = [worker._solvers.pop(number) for number in (1, 3)]
+    CLOCKS["perf_counter"] += 1.0
+    CLOCKS["process_time"] += 1.0
+    assert worker.was_busy()
+    assert "threads (of a solver" in worker.rest()
+    for solver, *_ in solvers:
+        solver.close()
 
 
 class SolvesForASecond(Works):
