@@ -1,1 +1,1 @@
-"""Bodies of three kinds, and which of their edges touch."""
+"""Three kinds of bodies, and the search for their touching edges."""

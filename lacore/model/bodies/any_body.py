@@ -1,6 +1,6 @@
-"""Bodies of any kind: what a problem asks of them, and what assembling asks of their unknowns.
+"""Bodies of any kind: the requirements of problems, and of the assembly of their unknowns.
 
-A new kind is a folder beside this file, and a name in `AnyBody` and in `KINDS`.
+A new kind is a folder next to this file, and a name in `AnyBody` and in `KINDS`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,16 +26,16 @@ Own = TypeVar("Own", bound="Counted")
 
 
 class Stated(Protocol):
-    """What a problem asks of a body; nothing of it is numbered."""
+    """Requirements of a problem on a body, before unknowns are numbered."""
 
     @property
     def contents(self) -> str:
-        """What it consists of, in a few words."""
+        """Short text on its contents."""
         ...
 
     @property
     def dimension(self) -> int:
-        """2 of the plane, 3 in space."""
+        """2 or 3."""
         ...
 
     @property
@@ -50,7 +50,7 @@ class Stated(Protocol):
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether it is a body of revolution, x the radius."""
+        """Whether it is axisymmetric, with x as the radius."""
         ...
 
     @property
@@ -79,32 +79,35 @@ class Stated(Protocol):
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Raise `InputError` where a part of it touches nothing, or nothing that could hold it."""
+        """Raise `InputError` if a part of it has no contact, or none that could hold it."""
         ...
 
     def with_points(self, points: Iterable[Sequence[float]]) -> Self:
-        """With whatever it needs where point forces act."""
+        """Return the body with the nodes it needs where point forces act."""
         ...
 
 
 class StatedInPlane(Stated, Protocol):
-    """What is asked of bodies of the plane besides."""
+    """Additional requirements on plane bodies."""
 
     def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
-        """Numbers and geometry of a part of the boundary; a node is an edge of length 0."""
+        """Return the numbers and geometry of a part of the boundary.
+
+        A node is an edge of length 0.
+        """
         ...
 
     def curves(self, edges: Ints) -> EdgeCurves:
-        """Edges as curves."""
+        """Return the edges as curves."""
         ...
 
 
 class Dofs(Protocol):
-    """The unknowns of a body among all, and what they do."""
+    """Unknowns of a body among all, and their velocities and forces."""
 
     @property
     def body(self) -> Stated:
-        """Whose they are."""
+        """Body of the unknowns."""
         ...
 
     @property
@@ -114,12 +117,12 @@ class Dofs(Protocol):
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of unknowns."""
         ...
 
     @property
     def degree(self) -> int:
-        """Of the velocity along an edge; 0 of single nodes."""
+        """Degree of the velocity along an edge; 0 for single nodes."""
         ...
 
     @property
@@ -129,7 +132,7 @@ class Dofs(Protocol):
 
     @property
     def extent(self) -> float:
-        """Area, of a frame the square of its size, m^2; in space volume, m^3."""
+        """Area, or for a frame the square of its size, m^2; in three dimensions volume, m^3."""
         ...
 
     @property
@@ -139,7 +142,7 @@ class Dofs(Protocol):
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether it is a body of revolution."""
+        """Whether it is axisymmetric."""
         ...
 
     @property
@@ -148,52 +151,58 @@ class Dofs(Protocol):
         ...
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """Its dissipation over n unknowns."""
+        """Return its dissipation over n unknowns."""
         ...
 
     def force(self, load: Load) -> Floats:
-        """Forces of a load on its unknowns, shape (count,), N/m; in space N."""
+        """Return the forces of a load on its unknowns, (count,), N/m; in three dimensions N."""
         ...
 
     def parts(self, edges: Ints) -> Ints:
-        """What velocities at edges, or faces, are told by: facets themselves, blocks, nodes."""
+        """Return the numbers that determine velocities at edges or faces.
+
+        Facets, blocks or nodes.
+        """
         ...
 
     def moving(self, parts: Ints) -> Ints:
-        """What of it moves continuously, by number."""
+        """Return the numbers of the parts that move continuously."""
         ...
 
     def velocity_rows(self, parts: Ints, points: Floats, n: int) -> tuple[Sparse, ...]:
-        """Rows of u_x, u_y (and u_z) of parts at points of shape (d, k), each of shape (k, n)."""
+        """Return the rows of u_x, u_y (and u_z) of parts at points.
+
+        The points have the shape (d, k), and each matrix (k, n).
+        """
         ...
 
     def thickness(self, places: Floats) -> Floats:
-        """Across the plane at places of shape (2, ...), m."""
+        """Return the thickness across the plane at places of shape (2, ...), m."""
         ...
 
 
 class RigidParts(Dofs, Protocol):
-    """Of bodies with unknowns of their own supports: rigid blocks and frames."""
+    """Unknowns of rigid blocks and frames, with supports of their own kind."""
 
     def free(self, supports: Iterable[Fix]) -> Sparse:
-        """Basis of the velocities that supports leave free, shape (count, free)."""
+        """Return a basis of the velocities that supports allow, shape (count, free)."""
         ...
 
     def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
-        """Places (d, k), and what supports exert there of forces on the unknowns.
+        """Return places (d, k), and the forces of supports there for forces on the unknowns.
 
-        Forces, then moments: (3, k), in space (6, k).
+        They are forces, then moments: (3, k), in three dimensions (6, k).
         """
         ...
 
 
 PLANE: tuple[type[StatedInPlane], ...] = (Body, BlockAssembly, Frame)
 KINDS: tuple[type[Stated], ...] = (*PLANE, BlockAssembly3D)
-"""All kinds, in the order of their unknowns: type checkers find here what one lacks."""
+"""All kinds, in the order of their unknowns; type checkers find missing members here."""
 
 
 def plane(body: Stated) -> StatedInPlane:
-    """A body of a problem of the plane."""
+    """Return a body of a plane problem."""
     assert isinstance(body, PLANE)
     return body
 
@@ -203,24 +212,24 @@ class Counted(Protocol):
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of unknowns."""
         ...
 
 
 def of_kind(bodies: Mapping[str, object], kind: type[Kind]) -> dict[str, Kind]:
-    """The bodies of one kind, by name."""
+    """Return the bodies of one kind, by name."""
     return {name: body for name, body in bodies.items() if isinstance(body, kind)}
 
 
 def rigid_blocks(bodies: Mapping[str, object]) -> dict[str, RigidBlocks]:
-    """The assemblies of rigid blocks, in the plane or in space, by name."""
+    """Return the plane and three-dimensional assemblies of rigid blocks, by name."""
     return {name: body for name, body in bodies.items() if isinstance(body, RigidBlocks)}
 
 
 def numbered(
     bodies: Mapping[str, Kind], unknowns: Callable[[Kind, int], Own], first: int = 0
 ) -> dict[str, Own]:
-    """The unknowns of bodies of a kind, one after the other from a number on, in their order."""
+    """Return the unknowns of bodies of a kind, numbered in their order from a number on."""
     found: dict[str, Own] = {}
     for name, body in bodies.items():
         found[name] = unknowns(body, first)

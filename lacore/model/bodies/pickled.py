@@ -1,4 +1,4 @@
-"""Pickling of bodies by what they were made of: the rest is computed anew, and checked."""
+"""Pickling of bodies by their arguments: the rest is computed and checked again."""
 
 from collections.abc import Mapping
 from dataclasses import Field, fields
@@ -10,6 +10,6 @@ class _Made(Protocol):
 
 
 def by_arguments(body: _Made) -> tuple[type, tuple[Any, ...]]:
-    """For `__reduce__` of a dataclass whose mappings have no pickle as they are kept."""
+    """Return the value of `__reduce__` for a dataclass whose mappings cannot be pickled."""
     given = [getattr(body, entry.name) for entry in fields(body) if entry.init]
     return type(body), tuple(dict(own) if isinstance(own, Mapping) else own for own in given)

@@ -1,7 +1,7 @@
-"""Which edges touch: joints of rigid blocks and interfaces of two bodies, by one search.
+"""Search for touching edges: joints of rigid blocks, and interfaces of two bodies.
 
-Every shared segment lies in exactly one edge of either side, so that fields that are polynomials
-on the edges are polynomials on the segment: the segments are the common refinement (T28).
+Every shared segment lies in exactly one edge of either side, so fields that are polynomials on the
+edges are polynomials on the segment: the segments are the common refinement (T28).
 """
 
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ import shapely
 from lacore.numerics.arrays import Bools, Floats, Geometries, Ints
 from lacore.reporting.showing import Compact
 
-FACING = np.cos(np.radians(15.0))  # edges that turn more against each other meet at a corner only
-TOUCH = 1e-9  # of the body size: coordinates written in double precision agree to this
-NEAR = 0.01  # of the shorter edge: a gap below it is more likely a slip of the pen than meant
+FACING = np.cos(np.radians(15.0))  # Edges at larger angles meet only at a corner.
+TOUCH = 1e-9  # by the size of the body: coordinates in double precision agree to this
+NEAR = 0.01  # by the shorter edge: a smaller gap is more likely a mistake than intended
 
 
 @dataclass(frozen=True)
 class Touched:
-    """Where an interface touches a body.
+    """Part of a body that an interface touches.
 
     Attributes:
-        field, name: of the interface, for messages.
-        edges: of the body.
-        by_obstacle: whether what touches it is no body.
+        field, name: field and name of the interface, for messages.
+        edges: edges of the body.
+        by_obstacle: whether it touches an obstacle.
     """
 
     field: str
@@ -74,7 +74,7 @@ class Shared(Compact):
         return np.asarray(np.linalg.norm(self.end - self.start, axis=0))
 
     def take(self, which: Bools | Ints) -> "Shared":
-        """Some of the segments."""
+        """Return some of the segments."""
         return Shared(
             self.first[which],
             self.second[which],
@@ -85,11 +85,11 @@ class Shared(Compact):
 
 
 def touching(first: Edges, second: Edges, tolerance: float) -> Shared:
-    """Segments where edges of `first` and `second` lie on each other.
+    """Return the segments where edges of `first` and `second` touch.
 
     Two edges touch if they face each other (outward normals opposite within 15 degrees), overlap
     along more than `tolerance`, and are at most `tolerance` (m) apart all along the overlap. A
-    corner on an edge is no overlap. The result does not depend on which family is called first,
+    corner on an edge is not an overlap. The result does not depend on which family is called first,
     up to the gap by which the segments move across.
     """
     shared = _facing(first, second, np.full(first.start.shape[1], tolerance), tolerance)
@@ -97,7 +97,7 @@ def touching(first: Edges, second: Edges, tolerance: float) -> Shared:
 
 
 def near_misses(first: Edges, second: Edges, tolerance: float, share: float = NEAR) -> Shared:
-    """Segments across which edges face each other with a gap that is small but no contact.
+    """Return the segments with a gap between facing edges that is small, but not closed.
 
     The gap lies above `tolerance` (m) and below `share` of the shorter edge, and is shorter than
     the overlap.
@@ -109,7 +109,7 @@ def near_misses(first: Edges, second: Edges, tolerance: float, share: float = NE
 
 
 def _facing(first: Edges, second: Edges, reach: Floats, least: float) -> Shared:
-    """Overlaps longer than `least` of edges that face each other within `reach`, (n,)."""
+    """Return the overlaps longer than `least` of facing edges within `reach`, (n,)."""
     tree = shapely.STRtree(second.lines)
     i, j = tree.query(first.lines, predicate="dwithin", distance=reach)
     opposite = np.sum(first.normal[:, i] * second.normal[:, j], axis=0) < -FACING
@@ -119,7 +119,7 @@ def _facing(first: Edges, second: Edges, reach: Floats, least: float) -> Shared:
     along = (first.end[:, i] - origin) / length
 
     def coordinates(points: Floats) -> tuple[Floats, Floats]:
-        """Along the first edge and out of it."""
+        """Return coordinates along the first edge and out of it."""
         away = points - origin
         return np.sum(away * along, axis=0), np.sum(away * normal, axis=0)
 

@@ -1,1 +1,1 @@
-"""Loads and supports, and the part of a boundary that they act on."""
+"""Loads and supports, and the parts of a boundary that they act on."""

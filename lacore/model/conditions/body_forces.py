@@ -1,4 +1,4 @@
-"""Forces per volume: own weight, earthquakes, uniform or as they vary from place to place."""
+"""Forces per volume: own weight, earthquakes, uniform or varying with place."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ Component = float | Sequence[float] | Callable[[Floats], Floats] | Field
 
 @dataclass(frozen=True, repr=False)
 class BodyForce(Compact):
-    """Force per volume [N/m^3], uniform or as it varies from place to place.
+    """Force per volume [N/m^3], uniform or varying with place.
 
-    A function is seen from within each element, and may jump from one to the next: let edges of the
-    mesh follow its jumps and bends. Where it is linear in each element loads are exact, and bounds
-    are as strict as of what is uniform (T86). What bends there `lacore.solve` integrates nearly,
-    and bounds refuse. On rigid blocks it has to be linear in each.
+    A function is evaluated within each element, and may jump between elements: let edges of the
+    mesh follow its jumps and kinks. If it is linear in each element, loads are exact, and bounds
+    are as strict as for a uniform load (T86). If it is not, `lacore.solve` integrates it
+    approximately, and bounds reject it. On rigid blocks it must be linear in each.
 
     Attributes:
         body: name of the body.
-        vector: along x and y, in space z too, N/m^3: each a number, a function of coordinates of
-            shape (d, n) that returns n values (`lacore.Linear`, `lacore.ByLevel`), a
-            `lacore.Field`, or one value for each element of the mesh (of an assembly each block),
-            whatever `where`.
-        where: the block (or blocks) of an assembly that it acts on, or the region (or regions) of
-            a continuum, by the names of ``mesh.subdomains``; None: on all of the body.
+        vector: components along x and y, in three dimensions also z, N/m^3: each a number, a
+            function of coordinates of shape (d, n) that returns n values (`lacore.Linear`,
+            `lacore.ByLevel`), a `lacore.Field`, or one value for each element of the mesh (for an
+            assembly each block), for any `where`.
+        where: the block (or blocks) of an assembly that it acts on, or the region (or regions) of a
+            continuum, by the names of ``mesh.subdomains``; None: on all of the body.
 
     Raises:
-        InputError: a component that is none of these; a field that knows its steepest slope.
+        InputError: an invalid component, or a field with a steepest slope.
 
     Example:
         >>> weight = la.BodyForce("soil", (0.0, -20e3))  # N/m^3
@@ -59,7 +59,7 @@ class BodyForce(Compact):
             )
             raise InputError("BodyForce.vector", given, "not a vector", fix)
         own = tuple(_taken(f"BodyForce.vector[{axis}]", one) for axis, one in enumerate(given))
-        # All of them: beside others a tiny one is what turning a frame leaves of a zero.
+        # Check all components together, since rotating a frame may turn a zero into a tiny number.
         require_range("BodyForce.vector", np.concatenate([_numbers(one) for one in own]))
         object.__setattr__(self, "vector", own)
 
@@ -70,7 +70,7 @@ class BodyForce(Compact):
 
     @property
     def piecewise_uniform(self) -> bool:
-        """Whether it is uniform in each element, or block, by what it is."""
+        """Whether it is given as uniform in each element, or block."""
         return not any(_function(one) for one in self.vector)
 
     @property
@@ -80,7 +80,7 @@ class BodyForce(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         part = "" if self.where is None else f".{where_name(self.where)}"
         own = Quantity(tuple(map(_told, self.vector)), "N/m^3", ".7g")
         return text("{} in {}{}", own, self.body, part)
@@ -93,11 +93,11 @@ class BodyForce(Compact):
         return float(np.linalg.norm(np.asarray(self.vector, dtype=np.float64)))
 
     def times(self, factor: float) -> BodyForce:
-        """The same with another size."""
+        """Return the same load with another size."""
         return replace(self, vector=tuple(_times(one, factor) for one in self.vector))
 
     def changed(self, change: Callable[[tuple[float, ...]], Component]) -> BodyForce:
-        """The same with other components in place of those by elements; a factor is taken in."""
+        """Return the load with its components by elements, including the factor, changed."""
 
         def new(one: Component) -> Component:
             values = _values(one)
@@ -106,17 +106,17 @@ class BodyForce(Compact):
         return replace(self, vector=tuple(map(new, self.vector)))
 
     def at(self, places: Floats, parts: Ints, count: int, field: str) -> Floats:
-        """Values at places of shape (d, n), N/m^3, shape (d, n).
+        """Return the values at places of shape (d, n), N/m^3, shape (d, n).
 
         Args:
             places: m.
-            parts: number of the element or the block that each lies in, shape (n,).
-            count: how many of these there are.
-            field: the load in messages.
+            parts: number of the element or block of each place, shape (n,).
+            count: number of elements or blocks.
+            field: name of the load in messages.
 
         Raises:
-            InputError: a function that fails there or returns something else than n finite
-                numbers, values of other elements than those there are.
+            InputError: a function that fails there or does not return n finite numbers, or values
+                for other elements.
         """
         found = []
         for axis, own in enumerate(self.vector):
@@ -139,7 +139,7 @@ class BodyForce(Compact):
 
 
 def acting(component: Component) -> bool:
-    """Whether a component is any."""
+    """Return whether a component is not zero."""
     values = _values(component)
     return bool(np.any(values)) if values is not None else callable(component) or bool(component)
 
@@ -149,7 +149,7 @@ def _called(field: str, function: Callable[[Floats], Floats], places: Floats) ->
 
 
 def _taken(field: str, given: object) -> Component:
-    """A number, a function or a field as it is; values of elements as a tuple."""
+    """Return a number, a function or a field unchanged, and values of elements as a tuple."""
     if is_number(given):
         return given  # type: ignore[return-value]  # a number
     if isinstance(given, Field):
@@ -182,7 +182,7 @@ def _taken(field: str, given: object) -> Component:
 
 
 def _numbers(component: Component) -> Floats:
-    """The number, or those of elements; none of a function."""
+    """Return the number, or those of elements; none for a function."""
     values = _values(component)
     if values is None:
         values = np.array([component] if is_number(component) else [], dtype=np.float64)
@@ -190,7 +190,7 @@ def _numbers(component: Component) -> Floats:
 
 
 def _values(component: Component) -> Floats | None:
-    """Of each element; None of others."""
+    """Return the values of each element; None for other components."""
     if isinstance(component, Field):
         listed = not callable(component.values)
         return component.factor * np.asarray(component.values) if listed else None

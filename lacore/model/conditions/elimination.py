@@ -1,8 +1,8 @@
 """Supports and rigid footings as a linear map from the free unknowns to all velocities.
 
 Each condition is local to a node: ``direction . u_node = sum_f factor_f q_f``, with the footing
-velocities q_f as further unknowns; a support has no factors. A node keeps the directions that no
-condition speaks of.
+velocities q_f as further unknowns; a support has no factors. A node keeps the directions without a
+condition.
 """
 
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
-_PARALLEL = 1e-12  # squared sine between directions that count as one: far above round-off
+_PARALLEL = 1e-12  # squared sine between directions that are equal: far above round-off
 _CONFLICT = 1e-9
 
 
 class HeldFootingError(InputError):
-    """A footing that shares a node with what keeps it from moving."""
+    """Raised for a footing that cannot move because of other conditions at a node."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,12 +40,12 @@ class NodeConditions(Compact):
 
 
 def held(nodes: Ints, directions: Floats) -> NodeConditions:
-    """Supports: no velocity along `directions`."""
+    """Return supports: no velocity along `directions`."""
     return NodeConditions(nodes, directions, np.full(nodes.size, -1), np.zeros(nodes.size))
 
 
 def join(parts: list[NodeConditions]) -> NodeConditions:
-    """All conditions as one."""
+    """Return all conditions joined."""
     return NodeConditions(
         np.concatenate([np.zeros(0, dtype=np.int64), *(part.nodes for part in parts)]),
         np.concatenate([np.zeros((0, 2)), *(part.directions for part in parts)]),
@@ -55,15 +55,15 @@ def join(parts: list[NodeConditions]) -> NodeConditions:
 
 
 def free_basis(conditions: NodeConditions, node_dofs: Ints, footing_names: list[str]) -> Sparse:
-    """Matrix of shape (2 nodes + footings, free unknowns) whose columns span the free velocities.
+    """Return a matrix whose columns span the free velocities.
 
     Args:
-        conditions: on nodes.
+        conditions: conditions on nodes.
         node_dofs: the two dofs of each node, shape (2, nodes); footing f has dof 2 nodes + f.
-        footing_names: one a footing, for messages.
+        footing_names: one per footing, for messages.
 
     Raises:
-        InputError: a footing that its supports, or another footing, keep from moving.
+        InputError: a footing cannot move because of its supports, or another footing.
     """
     n_nodes, n_footings = node_dofs.shape[1], len(footing_names)
     d = conditions.directions
@@ -101,7 +101,7 @@ def free_basis(conditions: NodeConditions, node_dofs: Ints, footing_names: list[
 
 
 def contradictory(conditions: NodeConditions, n_nodes: int, n_footings: int) -> Ints:
-    """Nodes, ascending, at which no velocity obeys all conditions while footings move at will."""
+    """Return the nodes, ascending, at which conditions contradict for arbitrary footing speeds."""
     _, _, carried = _carried(conditions, n_nodes, n_footings)
     wrong = _missing(conditions, carried).max(axis=1, initial=0.0) > _CONFLICT
     return np.unique(conditions.nodes[wrong])
@@ -110,7 +110,10 @@ def contradictory(conditions: NodeConditions, n_nodes: int, n_footings: int) -> 
 def _carried(
     conditions: NodeConditions, n_nodes: int, n_footings: int
 ) -> tuple[Floats, Bools, Floats]:
-    """Conditions at nodes, (nodes,); which may slide; how footings carry them, (nodes, 2, f)."""
+    """Return the conditions at nodes, (nodes,), which may slide, and footing motions.
+
+    The latter have the shape (nodes, 2, f).
+    """
     d = conditions.directions
     gram = np.zeros((n_nodes, 2, 2))
     np.add.at(gram, conditions.nodes, d[:, :, None] * d[:, None, :])
@@ -133,7 +136,7 @@ def _carried(
 
 
 def _missing(conditions: NodeConditions, carried: Floats) -> Floats:
-    """By how much each condition fails at a unit speed of each footing, shape (c, footings)."""
+    """Return the error of each condition at a unit speed of each footing, (c, footings)."""
     wanted = np.zeros((conditions.nodes.size, carried.shape[2]))
     of_footing = np.flatnonzero(conditions.footing >= 0)
     wanted[of_footing, conditions.footing[of_footing]] = conditions.factors[of_footing]

@@ -1,4 +1,4 @@
-"""Rigid footings and plates: what they touch moves with them, and loads act on their motion."""
+"""Rigid footings and plates: the body under them moves with them, and loads act on their motion."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ def check_vector(field: str, vector: Sequence[float], unit: str) -> None:
 
 
 def check_size(field: str, value: float, unit: str) -> None:
-    """Raise `InputError` where a value is no number."""
+    """Raise `InputError` if a value is not a number."""
     if not is_number(value):
         raise InputError(field, value, "not a number", f"give a finite value in {unit}")
     require_range(field, value)
 
 
 class Footing(Compact):
-    """What holds a part of the boundary of a body, and moves it as a few speeds say.
+    """Support of a part of the boundary of a body that moves with a few speeds.
 
-    The first speed is the one that its load drives, all others are free.
+    Its load drives the first speed; all others are free.
     """
 
     body: str
@@ -56,45 +56,45 @@ class Footing(Compact):
 
     @property
     def speeds(self) -> int:
-        """How many there are."""
+        """Number of speeds."""
         return 1
 
     @property
     def unloaded(self) -> Self:
-        """What is the same of footings with other loads."""
+        """Footing without its load, equal for footings with different loads."""
         raise NotImplementedError
 
     def driven_by(self, area: float) -> float:
-        """Force, or torque, on the first speed of a footing over an area."""
+        """Return the force, or torque, on the first speed of a footing over an area."""
         raise NotImplementedError
 
     def motion(self, places: Floats, speed: int = 0) -> Floats:
-        """Velocity per one of its speeds at places of shape (d, ...), of that shape."""
+        """Return the velocity per one of its speeds at places of shape (d, ...), of that shape."""
         raise NotImplementedError
 
     def held(self, outward: Floats) -> tuple[Floats, ...]:
-        """Directions in which it holds faces in space of outward normals (e, 3), (e, 3) each."""
+        """Return the held directions of faces with outward normals (e, 3), (e, 3) each."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True, repr=False)
 class RigidFooting(Footing):
-    """A rigid footing that moves along `direction`, and loads what it touches.
+    """Rigid footing that moves along `direction`, and loads the body under it.
 
     The load is a force of mean pressure `pressure` [Pa] along `direction`, so that the load factor
     is the mean footing pressure in units of `pressure`.
 
     Attributes:
-        body, where: the part of the boundary under the footing; its ends fall on vertices.
-        direction: of motion and force; normalised.
-        pressure: mean pressure, force over the area of `where` (of the whole ring or disc, where
+        body, where: the part of the boundary under the footing; its ends are at vertices.
+        direction: direction of motion and force; normalised.
+        pressure: mean pressure, force divided by the area of `where` (of the whole ring or disc if
             the body is axisymmetric; then it moves along z).
-        rough: the body sticks to the footing; else it slides along it without friction. Either
-            way it does not lift off.
-        turning: of bodies in space, axes about which it turns as it likes: ``x``, ``xy``, ...; of a
-            symmetric half those that keep its plane. None: it does not turn.
-        through: where its force acts, m, and where these axes meet; asked for where it turns. What
-            does not turn carries a force wherever it acts.
+        rough: the body sticks to the footing; else it slides along it without friction. In either
+            case it does not lift off.
+        turning: for three-dimensional bodies, axes about which it rotates freely: ``x``, ``xy``,
+            ...; for a symmetric half those that keep its plane. None: it does not rotate.
+        through: point where its force acts and these axes meet, m; required if it rotates. A
+            footing that does not rotate carries a force at any point.
 
     Example:
         >>> under = la.Within(x=(0, 1), y=0)
@@ -148,7 +148,7 @@ class RigidFooting(Footing):
                     ),
                 )
             object.__setattr__(self, "through", tuple(map(float, self.through)))
-        # Footings are told apart by value, so a direction given as a list has to be hashable.
+        # Footings are compared by value, so a direction given as a list must be made hashable.
         length = hypot(*self.direction)
         object.__setattr__(self, "direction", tuple(float(c / length) for c in self.direction))
 
@@ -168,15 +168,15 @@ class RigidFooting(Footing):
         return abs(self.pressure)
 
     def times(self, factor: float) -> Self:
-        """The same with another size."""
+        """Return the same footing with another size of its load."""
         return replace(self, pressure=factor * self.pressure)
 
     def driven_by(self, area: float) -> float:
-        """Force along its direction, N/m, in space N."""
+        """Return the force along its direction, N/m, in three dimensions N."""
         return self.pressure * area
 
     def motion(self, places: Floats, speed: int = 0) -> Floats:
-        """See `Footing`; rotations in rad/s."""
+        """Return the velocity, see `Footing`; rotations in rad/s."""
         if speed == 0:
             direction = np.reshape(self.direction, (-1, *(1,) * (places.ndim - 1)))
             return np.broadcast_to(direction, places.shape)
@@ -186,14 +186,14 @@ class RigidFooting(Footing):
         return about(axis, self.through, places)
 
     def held(self, outward: Floats) -> tuple[Floats, ...]:
-        """See `Footing`."""
+        """Return the held directions, see `Footing`."""
         if not self.rough:
             return (outward,)
         return tuple(np.broadcast_to(axis, outward.shape) for axis in np.eye(3))
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         turns = f", turning about {self.turning} at {short(self.through)}" if self.turning else ""
         return text(
             "footing on {}.{} along {}, {}{}",
@@ -207,18 +207,18 @@ class RigidFooting(Footing):
 
 @dataclass(frozen=True, repr=False)
 class Twist(Footing):
-    """A rigid plate that turns about an axis, and twists the body in space that it touches.
+    """Rigid plate that rotates about an axis, and twists the three-dimensional body under it.
 
-    The load is the torque `torque` about the axis, so that the load factor is what the plate
-    carries in units of that.
+    The load is the torque `torque` about the axis, so that the load factor is the capacity of the
+    plate in units of it.
 
     Attributes:
         body, where: the part of the boundary under the plate.
-        axis: of rotation, by the right hand; normalised.
+        axis: axis of rotation, by the right-hand rule; normalised.
         through: a point on it, m.
         torque: N m.
-        warping: what it touches is free to move across the plate, as the end of a long bar is;
-            else it sticks to the plate altogether.
+        warping: the body under the plate is free to move across it, as at the end of a long bar;
+            else it sticks to the plate completely.
 
     Example:
         >>> plate = la.Twist("bar", "zmax", axis=(0, 0, 1), through=(0.5, 0.5, 0))
@@ -255,19 +255,19 @@ class Twist(Footing):
         return abs(self.torque)
 
     def times(self, factor: float) -> Self:
-        """The same with another size."""
+        """Return the same plate with another size of its torque."""
         return replace(self, torque=factor * self.torque)
 
     def driven_by(self, area: float) -> float:
-        """Torque, N m."""
+        """Return the torque, N m."""
         return self.torque
 
     def motion(self, places: Floats, speed: int = 0) -> Floats:
-        """See `Footing`; in rad/s."""
+        """Return the velocity, see `Footing`; in rad/s."""
         return about(np.array(self.axis), self.through, places)
 
     def held(self, outward: Floats) -> tuple[Floats, ...]:
-        """See `Footing`."""
+        """Return the held directions, see `Footing`."""
         if not self.warping:
             return tuple(np.broadcast_to(axis, outward.shape) for axis in np.eye(3))
         least = np.eye(3)[np.argmin(np.abs(outward), axis=1)]
@@ -277,7 +277,7 @@ class Twist(Footing):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         return text(
             "torque {} about {} on {}.{}",
             Quantity(self.torque, "N m", ".7g"),
@@ -288,14 +288,14 @@ class Twist(Footing):
 
 
 def about(axis: Floats, through: Sequence[float], places: Floats) -> Floats:
-    """Velocity of a rotation of 1 rad/s about an axis at places (3, ...), of that shape."""
+    """Return the velocity of a rotation of 1 rad/s about an axis at places (3, ...)."""
     shape = (3, *(1,) * (places.ndim - 1))
     arm = places - np.reshape(through, shape)
     return np.asarray(np.cross(np.broadcast_to(axis.reshape(shape), arm.shape), arm, axis=0))
 
 
 def footings(loads: Iterable[object]) -> tuple[Footing, ...]:
-    """The rigid footings and plates among loads, which hold what they load."""
+    """Return the rigid footings and plates among loads, which are also supports."""
     return tuple(load for load in loads if isinstance(load, Footing))
 
 

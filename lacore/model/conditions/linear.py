@@ -1,4 +1,4 @@
-"""Functions of place by numbers: what a file can state in place of a function in Python."""
+"""Functions of place by numbers, which a file can contain instead of Python functions."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from lacore.numerics.arrays import Bools, Floats
 from lacore.reporting.errors import InputError, is_number, is_vector, require_place, require_range
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-12  # of the largest level: nearer to an edge one lies on it
+_ROUND_OFF = 1e-12  # by the largest level: places closer to a level are on it
 
 
 @dataclass(frozen=True, repr=False)
 class Linear(Compact):
-    """``value + gradient . (x - at)``: strength or water pressure that grows with depth, say.
+    """Linear function ``value + gradient . (x - at)``, such as a strength that grows with depth.
 
     Attributes:
-        value: at the place `at`, Pa.
-        gradient: by x and y, in space z too, Pa/m.
-        at: m; the origin if it is left out.
+        value: value at the place `at`, Pa.
+        gradient: derivatives by x and y, in three dimensions also z, Pa/m.
+        at: m; the origin by default.
 
     Raises:
-        InputError: what are no numbers, as many of both; places of another space than they are of.
+        InputError: invalid numbers, or a different number of both; places of another dimension.
 
     Example:
         >>> deeper = la.Linear(10e3, gradient=(0.0, -2e3))  # Pa, at y < 0
@@ -49,7 +49,7 @@ class Linear(Compact):
         require_place("Linear.at", self.at)
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at places of shape (d, n), shape (n,)."""
+        """Return the values at places of shape (d, n), shape (n,)."""
         if len(x) != len(self.gradient):
             why = f"{len(self.gradient)} numbers, where places have {len(x)}"
             raise InputError("Linear.gradient", self.gradient, why, "give as many, of `at` too")
@@ -61,17 +61,17 @@ class Linear(Compact):
 
 @dataclass(frozen=True, repr=False)
 class ByLevel(Compact):
-    """Linear by height between values at levels, and as at the last one beyond: a table by depth.
+    """Table by height: linear between values at levels, and constant beyond the last ones.
 
-    Where levels run through elements of a mesh it is not linear in them: let its edges follow
-    them, or give its `steepest` slope to `lacore.Field`.
+    If levels run through elements of a mesh, it is not linear in them: let its edges follow them,
+    or give its `steepest` slope to `lacore.Field`.
 
     Attributes:
-        levels: heights, m, each once, in any order; two at least: of y, in space of z.
-        values: there.
+        levels: heights, m, each once, in any order, at least two: y, or z in three dimensions.
+        values: values at the levels.
 
     Raises:
-        InputError: what are no numbers, a level that is there twice, not as many of both.
+        InputError: invalid numbers, a repeated level, or a different number of both.
 
     Example:
         >>> measured = la.ByLevel(levels=(-10.0, 0.0), values=(30e3, 10e3))  # m and Pa
@@ -107,11 +107,11 @@ class ByLevel(Compact):
         return float(np.max(np.abs(np.diff(self.values) / np.diff(self.levels))))
 
     def bends(self, low: Floats, high: Floats) -> Bools:
-        """See `lacore.model.materials.fields.Bending`."""
+        """Return where it bends, see `lacore.model.materials.fields.Bending`."""
         level = np.array(self.levels)[:, None]
         room = _ROUND_OFF * float(np.abs(level).max())
         return np.asarray(((level > low[-1] + room) & (level < high[-1] - room)).any(axis=0))
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at places of shape (d, n), shape (n,)."""
+        """Return the values at places of shape (d, n), shape (n,)."""
         return np.asarray(np.interp(x[-1], self.levels, self.values))

@@ -1,9 +1,8 @@
 """Supports and loads. Forces are per unit thickness; every load is integrated exactly.
 
-In space vectors and places have three numbers, and forces are whole: N where the plane has N/m.
-
-Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all around, and forces
-are those of the whole circumference, in N.
+In three dimensions vectors and places have three numbers, and forces are in N instead of N/m. For
+axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all around, and forces are
+those of the whole circumference, in N.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ COMPONENTS = {
     2: ("x", "y", "xy", "normal", "tangential", "rotation", "clamped"),
     3: ("x", "y", "z", "xz", "yz", "xyz", "normal"),
 }
-"""What a support may hold, by the dimension of its body."""
+"""Components that a support may hold, by the dimension of its body."""
 _NAMED = tuple(dict.fromkeys((*COMPONENTS[2], *COMPONENTS[3], "all")))
 
 
@@ -44,11 +43,13 @@ class Fix(Compact):
 
     Attributes:
         body: name of the body.
-        where: which part, see `lacore.types.Where`; it ends where facets do. Of a frame its nodes.
-        components: ``all`` directions, which a problem reads as ``xy``, in space as ``xyz``; or
-            ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes of a
-            frame also ``rotation``, and ``clamped`` for all three, but no normal. In space
-            ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
+        where: the part, see `lacore.types.Where`, which ends at vertices; for a frame its nodes.
+        components: ``all`` directions, which a problem reads as ``xy``, or ``xyz`` in three
+            dimensions; or
+            ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; for nodes of a
+            frame also ``rotation``, and ``clamped`` for all three, but not ``normal`` or
+            ``tangential``. In three dimensions ``x``, ``y``, ``z``, two of them such as ``xy``,
+            ``xyz``, or ``normal``.
 
     Example:
         >>> clamped, roller = la.Fix("soil", "bottom"), la.Fix("soil", "left", "x")
@@ -62,7 +63,7 @@ class Fix(Compact):
         require_known("Fix.components", self.components, _NAMED)
 
     def of(self, dimension: int) -> Fix:
-        """With ``all`` directions named."""
+        """Return the support with ``all`` directions named."""
         return replace(self, components=_ALL[dimension]) if self.components == "all" else self
 
     @property
@@ -72,7 +73,7 @@ class Fix(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         return text("{} of {}.{}", self.components, self.body, where_name(self.where))
 
 
@@ -106,7 +107,7 @@ class SurfaceLoad(Compact, ABC):
     @property
     @abstractmethod
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
 
     @property
     @abstractmethod
@@ -115,11 +116,11 @@ class SurfaceLoad(Compact, ABC):
 
     @abstractmethod
     def times(self, factor: float) -> Self:
-        """The same with another size."""
+        """Return the same load with another size."""
 
     @abstractmethod
     def on(self, normal: Floats) -> Floats:
-        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+        """Return the traction at outward normals of shape (d, ...), Pa, of that shape."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,7 +140,7 @@ class Traction(SurfaceLoad):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         own = Quantity(tuple(self.vector), "Pa", ".7g")
         return text("{} on {}.{}", own, self.body, where_name(self.where))
 
@@ -149,11 +150,11 @@ class Traction(SurfaceLoad):
         return float(np.linalg.norm(self.vector))
 
     def times(self, factor: float) -> Self:
-        """See `SurfaceLoad.times`."""
+        """Return the load with another size, see `SurfaceLoad.times`."""
         return replace(self, vector=tuple(factor * own for own in self.vector))
 
     def on(self, normal: Floats) -> Floats:
-        """See `SurfaceLoad.on`."""
+        """Return the traction, see `SurfaceLoad.on`."""
         vector = np.reshape(self.vector, (-1, *(1,) * (normal.ndim - 1)))
         return np.broadcast_to(vector, normal.shape)
 
@@ -173,7 +174,7 @@ class Pressure(SurfaceLoad):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         own = Quantity(self.value, "Pa", ".7g")
         return text("pressure {} on {}.{}", own, self.body, where_name(self.where))
 
@@ -183,11 +184,11 @@ class Pressure(SurfaceLoad):
         return abs(self.value)
 
     def times(self, factor: float) -> Self:
-        """See `SurfaceLoad.times`."""
+        """Return the load with another size, see `SurfaceLoad.times`."""
         return replace(self, value=factor * self.value)
 
     def on(self, normal: Floats) -> Floats:
-        """See `SurfaceLoad.on`."""
+        """Return the traction, see `SurfaceLoad.on`."""
         return np.asarray(-self.value * normal)
 
 
@@ -196,11 +197,12 @@ class PointForce(Compact):
     """A single force.
 
     Attributes:
-        body: name of the body. A continuum yields under it: mesh dependent.
+        body: name of the body. A continuum yields under it, so the result depends on the mesh.
         at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
-            centroid) or of a node of a frame, or a place on a member of one: a node is put there.
-        vector: N/m, in space N; on an axisymmetric body the sum around the ring through `at`, N.
-        where: the block that carries it, where `at` lies on several, or on none: a rigid arm.
+            centroid) or of a node of a frame, or a place on a member of one, where a node is added.
+        vector: N/m, in three dimensions N; on an axisymmetric body the sum around the ring through
+            `at`, N.
+        where: the block that carries it, if `at` lies on several, or on none: a rigid arm.
 
     Example:
         >>> wind = la.PointForce("frame", "B", (10e3, 0.0))  # N
@@ -222,12 +224,12 @@ class PointForce(Compact):
 
     @property
     def point(self) -> tuple[float, ...] | None:
-        """Where it acts, m; None where `at` is a name."""
+        """Place where it acts, m; None if `at` is a name."""
         return None if isinstance(self.at, str) else self.at
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         own = Quantity(tuple(self.vector), "N/m" if len(self.vector) == 2 else "N", ".7g")
         at = short(self.at) if self.point is None else Quantity(tuple(self.point), "m", ".7g")
         return text("{} at {} of {}", own, at, self.body)
@@ -238,20 +240,20 @@ class PointForce(Compact):
         return float(np.linalg.norm(self.vector))
 
     def times(self, factor: float) -> Self:
-        """The same with another size."""
+        """Return the same force with another size."""
         return replace(self, vector=tuple(factor * own for own in self.vector))
 
 
 Load = SurfaceLoad | BodyForce | PointForce | RigidFooting | Twist | PorePressure | StandingWater
-"""What drives a problem, a reference load, or rests on it, a dead one.
+"""Reference load that drives a problem, or dead load.
 
-Each says its `boundary`, None where it acts on none, and its `point`, None where on none.
+Each has a `boundary`, None if it acts on none, and a `point`, None if it acts on none.
 """
 
 
 @singledispatch
 def acts(load: Load) -> bool:
-    """Whether a load is any: of zero there is none, which as a dead load does no harm."""
+    """Return whether a load is not zero; a zero dead load has no effect."""
     return True
 
 

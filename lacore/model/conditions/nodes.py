@@ -1,4 +1,4 @@
-"""What supports and rigid footings ask of the nodes on their part of the boundary."""
+"""Conditions of supports and rigid footings at the nodes of their part of the boundary."""
 
 from typing import cast
 
@@ -11,10 +11,10 @@ from lacore.numerics.arrays import Floats, Ints
 
 
 def support_conditions(support: Fix, nodes: Ints, outward: Floats) -> NodeConditions:
-    """Conditions of a support.
+    """Return the conditions of a support.
 
     Args:
-        support: the components that it holds.
+        support: support with its components.
         nodes: shape (c,).
         outward: unit outward normals there, shape (c, 2).
     """
@@ -32,8 +32,8 @@ def support_conditions(support: Fix, nodes: Ints, outward: Floats) -> NodeCondit
 def footing_conditions(
     footing: Footing, nodes: Ints, outward: Floats, number: int
 ) -> NodeConditions:
-    """Conditions of the footing with a number; nodes and normals as in `support_conditions`."""
-    rough = cast(RigidFooting, footing).rough  # plates that twist are of space
+    """Return the conditions of a footing with a number; arguments as in `support_conditions`."""
+    rough = cast(RigidFooting, footing).rough  # Only three-dimensional bodies have twisting plates.
     motion = footing.motion(np.zeros(2))
     across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
     carried = np.broadcast_to(motion, outward.shape) if rough else outward

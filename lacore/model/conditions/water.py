@@ -1,4 +1,4 @@
-"""Water: in the pores of a body, and standing on its boundary (T64)."""
+"""Water in the pores of a body, and standing on its boundary (T64)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lacore.reporting.text import Quantity, Term, text
 
 WATER = 9.81e3
 """Unit weight of fresh water, N/m^3."""
-_ROUND_OFF = 1e-12  # of the largest pressure: less below 0 is no suction
+_ROUND_OFF = 1e-12  # by the largest pressure: smaller negative values are not suction
 
 
 @dataclass(frozen=True, repr=False)
@@ -24,11 +24,11 @@ class WaterTable(Compact):
     """Water at rest below a height: ``u = unit_weight (height - y)`` there, and 0 above it.
 
     Attributes:
-        height: of its surface, the y (of bodies of revolution the z) of it, m.
+        height: height y of its surface (z for axisymmetric bodies), m.
         unit_weight: N/m^3.
 
     Raises:
-        InputError: a height that is no number, a weight that is not positive.
+        InputError: an invalid height, or a weight that is not positive.
 
     Example:
         >>> table = la.WaterTable(height=-1.0)
@@ -47,24 +47,24 @@ class WaterTable(Compact):
         require_positive("WaterTable.unit_weight", self.unit_weight)
 
     def __call__(self, x: Floats) -> Floats:
-        """Pressure at places of shape (2, n), Pa, shape (n,)."""
+        """Return the pressure at places of shape (2, n), Pa, shape (n,)."""
         return np.asarray(self.unit_weight * np.maximum(self.height - x[1], 0.0))
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         return text("water at rest below y = {}", Quantity(self.height, "m", ".7g"))
 
 
 @dataclass(frozen=True, repr=False)
 class PorePressure(Compact):
-    """Pressure u >= 0 of the water in the pores of a body; its criterion judges ``sigma + u I``.
+    """Pressure u >= 0 of the pore water in a body; its criterion applies to ``sigma + u I``.
 
-    So stresses of a program are effective ones, and results show both (T64). In each element u is
-    linear (bilinear on quadrilaterals) between its values at the vertices, and that is the problem
-    that is solved and bounded: let edges of the mesh follow a water table. What has no friction
-    does not feel it. Water presses in contacts with obstacles, too, whose friction follows what is
-    left. A body under free water is pressed by that as well: `StandingWater`.
+    Stresses of a program are therefore effective ones, and results give both (T64). In each element
+    u is linear (bilinear on quadrilaterals) between its values at the vertices, and this problem is
+    solved and bounded: let edges of the mesh follow a water table. Materials without friction are
+    not affected. Water also presses in contacts with obstacles, whose friction depends on the
+    remaining pressure. A body under free water is also loaded by it: `StandingWater`.
 
     Attributes:
         body: name of the body.
@@ -72,7 +72,7 @@ class PorePressure(Compact):
             values, the values at the vertices of the mesh, or one number for all of the body.
 
     Raises:
-        InputError: suction, what is no pressure.
+        InputError: suction, or an invalid pressure.
 
     Example:
         >>> wet = la.PorePressure("soil", la.WaterTable(height=-1.0))
@@ -109,14 +109,14 @@ class PorePressure(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         return text("{} in the pores of {}", _told(self.pressure), self.body)
 
     def at(self, vertices: Floats, field: str) -> Floats:
-        """Values at all vertices of the body's mesh, of shape (2, n), Pa, shape (n,).
+        """Return the values at all vertices of the body's mesh, of shape (2, n), Pa, shape (n,).
 
         Raises:
-            InputError: suction, NaN, values of another mesh; it names the `field` of the load.
+            InputError: suction, NaN, or values of another mesh; it names the `field` of the load.
         """
         count = vertices.shape[1]
         if isinstance(self.pressure, tuple):
@@ -130,7 +130,7 @@ class PorePressure(Compact):
 class StandingWater(Compact):
     """Pressure of free water on a part of the boundary, against its outward normal.
 
-    Linear along each edge between the values at its ends.
+    It is linear along each edge between the values at its ends.
 
     Attributes:
         body, where: the part of the boundary.
@@ -138,7 +138,7 @@ class StandingWater(Compact):
             pressures in Pa.
 
     Raises:
-        InputError: what is no such function.
+        InputError: an invalid function.
 
     Example:
         >>> lake = la.StandingWater("dam", "left", la.WaterTable(height=5.0))
@@ -169,14 +169,14 @@ class StandingWater(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words."""
+        """Short text."""
         return text("{} on {}.{}", _told(self.pressure), self.body, where_name(self.where))
 
     def at(self, places: Floats, field: str) -> Floats:
-        """Values at places of shape (2, n), Pa, shape (n,).
+        """Return the values at places of shape (2, n), Pa, shape (n,).
 
         Raises:
-            InputError: suction, NaN, another shape; it names the `field` of the load.
+            InputError: suction, NaN, or another shape; it names the `field` of the load.
         """
         return _called(f"{field}.pressure", self.pressure, places)
 
@@ -194,7 +194,7 @@ def _told(pressure: float | Sequence[float] | Callable[[Floats], Floats]) -> str
 def _called(field: str, pressure: Callable[[Floats], Floats], places: Floats) -> Floats:
     try:
         given = pressure(places)
-    except Exception as error:  # of others
+    except Exception as error:  # functions of users
         raise InputError(
             field,
             None,
@@ -205,7 +205,7 @@ def _called(field: str, pressure: Callable[[Floats], Floats], places: Floats) ->
 
 
 def _values(field: str, shape: tuple[int, ...], given: object) -> Floats:
-    """Pressures of a shape, or `InputError`."""
+    """Return pressures of a shape; raises `InputError` for others."""
     try:
         values = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):

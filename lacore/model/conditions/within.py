@@ -1,4 +1,4 @@
-"""Places by numbers: boxes, lines, half-planes. Predicates that can be written to a file."""
+"""Places given by numbers: boxes, lines, half-planes. These predicates can be written to files."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity, join, text
 
 Extent = float | tuple[float, float] | None
-_NEAR = 1e-9  # of the extent of what is asked about: coordinates in double precision agree to this
+_NEAR = 1e-9  # by the extent of the places: coordinates in double precision agree to this
 
 
 @dataclass(frozen=True, repr=False)
 class Within(Compact):
     """Places in a box: ``la.Within(x=(0, 1), y=0)`` is the line y = 0 from x = 0 to 1.
 
-    Its sides belong to it, and what is off by 1e-9 of the size of the body does, too.
+    It includes its sides, and places within 1e-9 of the size of the body.
 
     Attributes:
         x, y: a number, or the least and the greatest one (which may be infinite), m; None: any.
 
     Raises:
-        InputError: neither x nor y, no numbers, an interval from its greater end.
+        InputError: neither x nor y, invalid numbers, or an interval with its larger end first.
 
     Example:
         >>> under = la.Within(x=(0, 1), y=0)  # a line 1 m long
@@ -47,7 +47,7 @@ class Within(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words: ``(x = 0 to 1 m, y = 0 m)``."""
+        """Short text: ``(x = 0 to 1 m, y = 0 m)``."""
         own = [
             text("{} = {}", name, _said(at))
             for name, at in (("x", self.x), ("y", self.y))
@@ -56,7 +56,7 @@ class Within(Compact):
         return text("({})", join(", ", own))
 
     def __call__(self, places: Floats) -> Bools:
-        """Which of the places of shape (2, n) lie in it, shape (n,)."""
+        """Return which of the places of shape (2, n) lie in it, shape (n,)."""
         _require_plane("Within", places)
         slack = _slack(places)
         inside = np.ones(places.shape[1], dtype=bool)
@@ -75,7 +75,7 @@ class Along(Compact):
         start, end: m.
 
     Raises:
-        InputError: no points, or one point twice.
+        InputError: invalid points, or the same point twice.
 
     Example:
         >>> slope = la.Along(start=(0, 0), end=(4, 2))
@@ -98,12 +98,12 @@ class Along(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words: ``(from (0, 0) to (1, 2) m)``."""
+        """Short text: ``(from (0, 0) to (1, 2) m)``."""
         ends = Quantity((*self.start, *self.end), "m", ".4g", "({}, {}) to ({}, {})")
         return text("(from {})", ends)
 
     def __call__(self, places: Floats) -> Bools:
-        """Which of the places of shape (2, n) lie on it, shape (n,)."""
+        """Return which of the places of shape (2, n) lie on it, shape (n,)."""
         _require_plane("Along", places)
         slack = _slack(places)
         (x, y), (u, v) = self.start, (b - a for a, b in zip(self.start, self.end, strict=True))
@@ -115,14 +115,14 @@ class Along(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Beyond(Compact):
-    """Places on one side of a line: where its normal points to, and on it.
+    """Places on a line, and on the side that its normal points to.
 
     Attributes:
-        point: on the line, m.
-        normal: of any length.
+        point: point on the line, m.
+        normal: normal of any length.
 
     Raises:
-        InputError: no vectors, a normal without a direction.
+        InputError: invalid vectors, or a normal without a direction.
 
     Example:
         >>> right = la.Beyond(point=(1, 0), normal=(1, 0))  # x >= 1
@@ -146,14 +146,14 @@ class Beyond(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words: ``(beyond (0, 0) m along 1, 2)``."""
+        """Short text: ``(beyond (0, 0) m along 1, 2)``."""
         u, v = self.normal
         return text(
             "(beyond {} along {}, {})", Quantity(self.point, "m", ".4g"), f"{u:.4g}", f"{v:.4g}"
         )
 
     def __call__(self, places: Floats) -> Bools:
-        """Which of the places of shape (2, n) lie there, shape (n,)."""
+        """Return which of the places of shape (2, n) lie there, shape (n,)."""
         _require_plane("Beyond", places)
         (x, y), (u, v) = self.point, self.normal
         away = ((places[0] - x) * u + (places[1] - y) * v) / hypot(u, v)
@@ -167,7 +167,7 @@ def _said(extent: float | tuple[float, float]) -> Quantity:
 
 
 def _require_plane(field: str, places: Floats) -> None:
-    """Raise `InputError` of places in space: a line or a box there is another thing."""
+    """Raise `InputError` for three-dimensional places, where these shapes differ."""
     if len(places) != 2:
         why = "says places of the plane, and the body is one in space"
         fix = "give a function of coordinates (3, n): lambda x: x[2] == 0"

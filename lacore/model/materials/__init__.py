@@ -1,4 +1,4 @@
-"""What flow and slip cost: yield criteria, hardening laws, friction laws. No mesh, no solver."""
+"""Yield criteria, hardening laws, friction laws: laws without mesh and solver."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Angles of friction and of dilation: numbers, or as they vary from place to place."""
+"""Angles of friction and of dilation: numbers, or varying with place."""
 
 from collections.abc import Callable
 from math import atan, degrees, radians, tan
@@ -15,7 +15,7 @@ from lacore.reporting.errors import InputError
 
 @runtime_checkable
 class Angled(Protocol):
-    """A criterion whose angles may vary from place to place.
+    """Criterion whose angles may vary with place.
 
     Attributes:
         cohesion: Pa.
@@ -29,10 +29,10 @@ class Angled(Protocol):
     def form_of(
         self, kinematics: str, angles: Floats, cohesion: Strengths, dilation: Floats | None
     ) -> ConicForm:
-        """Its form with angles, degrees, and cohesions of each element, (elements,).
+        """Return its form with angles, degrees, and cohesions of each element, (elements,).
 
         Raises:
-            InputError: kinematics that have no such form.
+            InputError: kinematics without such a form.
         """
 
 
@@ -41,11 +41,14 @@ class CutOff(Protocol):
     """A criterion whose cut-off may have no effect."""
 
     def beyond_apex(self, at: Callable[[Strength], Floats]) -> Floats | None:
-        """By how much it is beyond the apex, by strengths at places, Pa; None of no cut-off."""
+        """Return how far it is beyond the apex, by strengths at places, Pa.
+
+        None without a cut-off.
+        """
 
 
 def require_angles(kind: str, friction: Strength, dilation: Strength | None) -> None:
-    """Raise `InputError` unless numbers are angles; what varies is checked on a mesh."""
+    """Raise `InputError` unless numbers are valid angles; fields are checked on a mesh."""
     if not isinstance(friction, Field):
         require_angle(f"{kind}.friction_angle", friction)
     if isinstance(dilation, Field):
@@ -58,7 +61,7 @@ def require_angles(kind: str, friction: Strength, dilation: Strength | None) -> 
 
 
 def angles_told(friction: Strength, dilation: Strength | None) -> list[str]:
-    """``φ = 30°``, ``ψ = 10°``."""
+    """Return texts such as ``φ = 30°``, ``ψ = 10°``."""
     return [
         number_told(name, own, "°") if isinstance(own, Field) else f"{name} = {own:.4g}°"
         for name, own in (("φ", friction), ("ψ", dilation))
@@ -69,7 +72,7 @@ def angles_told(friction: Strength, dilation: Strength | None) -> list[str]:
 def flatter(
     kind: str, friction: Strength, dilation: Strength | None, factor: float
 ) -> tuple[Strength, Strength | None]:
-    """Friction angles of tangents divided by a factor, dilation angles that are none above them.
+    """Return friction angles with tangents divided by a factor, and limited dilation angles.
 
     Raises:
         InputError: angles that are functions of place.
@@ -89,7 +92,7 @@ def flatter(
 
 
 def _listed(field: str, angle: Strength) -> Floats:
-    """Angles of elements, or of all, degrees."""
+    """Return the angles of elements, or of all, degrees."""
     if not isinstance(angle, Field):
         return np.asarray(angle)
     if callable(angle.values):

@@ -1,4 +1,4 @@
-"""What a strain rate costs, as rows of a cone: the form that criteria take (T1)."""
+"""Dissipation of a strain rate as rows of a cone: the form of criteria (T1)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,13 +18,14 @@ KINEMATICS = (*PLANE, SPACE)
 
 @dataclass(frozen=True, repr=False)
 class Surface(Compact):
-    """A yield surface ``||s|| + slope . p <= strength``, s of the rows, p of the volumetric ones.
+    """Yield surface ``||s|| + slope . p <= strength``, s of the rows, p of the volumetric ones.
 
     Attributes:
-        slope: of each volumetric row, L of them; each of all elements, or of each, (elements,).
-        strength: Pa; of all elements, or of each, shape (elements,), or as a function of place.
+        slope: slope for each of L volumetric rows; each one for all elements, or for each,
+            (elements,).
+        strength: Pa; for all elements, or for each, shape (elements,), or a function of place.
         normed: whether ``||s||`` counts; if not, it bounds p alone.
-        flow: slopes by which flow dilates in place of its own (T49); None: flow is associated.
+        flow: slopes of non-associated flow (T49); None: flow is associated.
     """
 
     slope: tuple[float | Floats, ...]
@@ -37,22 +38,24 @@ class Surface(Compact):
 class ConicForm(Compact):
     """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``; or surfaces.
 
-    `eps` is the strain rate in engineering components (xx, yy, gamma_xy), of axisymmetric bodies
-    (rr, zz, tt, gamma_rz), in space (xx, yy, zz, gamma_xy, gamma_yz, gamma_zx), unit 1/s.
+    `eps` is the strain rate in engineering components (xx, yy, gamma_xy), for axisymmetric bodies
+    (rr, zz, tt, gamma_rz), in three dimensions (xx, yy, zz, gamma_xy, gamma_yz, gamma_zx), unit
+    1/s.
 
     Attributes:
         rows: cone rows, shape (dim, components).
-        volumetric: row of theta = tr eps where it must vanish, else zeros, shape (components,); of
-            surfaces all rows whose stresses they feel, shape (L, components).
-        bound: largest norm of the conjugate stress, with surfaces that without pressure, Pa; of all
-            elements, or of each, (elements,), or as a function of place.
+        volumetric: row of theta = tr eps if it must vanish, else zeros, shape (components,); with
+            surfaces all rows whose stresses they depend on, shape (L, components).
+        bound: largest norm of the conjugate stress, with surfaces that at zero pressure, Pa; for
+            all elements, or for each, (elements,), or a function of place.
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
-            norm of the three-dimensional strain rate deviator also where theta is not zero: the
-            regularised dissipation (T17) sees that deviator. It is 0 where the rows have no part of
-            theta, and has no effect on forms with surfaces.
-        surfaces: that depend on pressure (T39, T40); none: ``||s|| <= bound`` is all there is.
+            norm of the three-dimensional strain rate deviator also if theta is not zero, as the
+            regularised dissipation (T17) requires. It is 0 if the rows are independent of theta,
+            and has no effect on forms with surfaces.
+        surfaces: surfaces that depend on pressure (T39, T40); if empty, the only condition is
+            ``||s|| <= bound``.
         out_of_plane: sigma_zz per mean stress: 1 in plane strain, 0 in plane stress.
-        out_of_rows: sigma_zz per conjugate stress besides, of rows that feel it, shape (dim,).
+        out_of_rows: additional sigma_zz per conjugate stress of the rows, shape (dim,).
     """
 
     rows: Floats
@@ -75,7 +78,7 @@ class ConicForm(Compact):
 
     @property
     def frictional(self) -> bool:
-        """Whether flow is not associated: it dilates less than a surface slopes (T49)."""
+        """Whether flow is non-associated: its slope is smaller than that of a surface (T49)."""
         return any(surface.flow is not None for surface in self.surfaces)
 
     @property
@@ -96,11 +99,11 @@ class ConicForm(Compact):
         return same and all(np.ndim(slope) == 0 for slope in slopes)
 
     def at_points(self, elements: Ints, values: Callable[[Field], Floats]) -> "ConicForm":
-        """The same with a strength of each of m points.
+        """Return the form with a strength for each of m points.
 
         Args:
-            elements: that the points lie in, shape (m,).
-            values: of a field at the points, shape (m,).
+            elements: elements of the points, shape (m,).
+            values: function for values of a field at the points, shape (m,).
         """
 
         def own(strength: Strengths) -> Floats:
@@ -128,7 +131,7 @@ class ConicForm(Compact):
         return np.asarray(~np.any(felt, axis=0)) if felt else np.ones(1, dtype=bool)
 
     def surfaces_of(self, elements: Ints) -> Surfaces | None:
-        """The surfaces at points of elements, shape (m,); None where there are none."""
+        """Return the surfaces at points of elements, shape (m,); None without surfaces."""
         if not self.surfaces:
             return None
         strengths = [of_elements(one.strength, elements) for one in self.surfaces]
@@ -150,18 +153,18 @@ class ConicForm(Compact):
         )
 
     def bounds(self, elements: Ints) -> Floats:
-        """The bound in elements, of their shape, Pa."""
+        """Return the bound in elements, of their shape, Pa."""
         return of_elements(self.bound, elements)
 
     def stress(self, conjugate: Floats, mean: Floats) -> Floats:
-        """Stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.
+        """Return stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.
 
-        In space (xx, yy, zz, xy, yz, zx), shape (m, 6).
+        In three dimensions they are (xx, yy, zz, xy, yz, zx), shape (m, 6).
 
         Args:
-            conjugate: of `rows`, shape (m, dim), Pa.
-            mean: of `volumetric`, shape (m L,), Pa; in plane strain also sigma_zz (T1), which lies
-                between the others where they feel pressure.
+            conjugate: stresses of `rows`, shape (m, dim), Pa.
+            mean: stresses of `volumetric`, shape (m L,), Pa; in plane strain also sigma_zz (T1),
+                which lies between the others if strength depends on pressure.
         """
         means = mean.reshape(len(conjugate), -1)
         plane = conjugate @ self.rows + means @ self.volumes
@@ -173,21 +176,23 @@ class ConicForm(Compact):
         return np.column_stack([plane[:, :2], out, plane[:, 2]])
 
     def across(self) -> "ConicForm":
-        """The same for a layer in which only ``(eps_nn, gamma_nt)`` vary: a velocity jump (T23).
+        """Return the form of a layer in which only ``(eps_nn, gamma_nt)`` vary.
 
-        `rows` and `volumetric` act on these two, in space on ``(eps_nn, gamma_ns, gamma_nt)``. Of
-        an isotropic criterion. Where strength depends on pressure, of one plane, it is
-        ``|tau| <= c - sigma_n tan(phi)`` (T43, T94).
+        A velocity jump (T23).
+
+        `rows` and `volumetric` act on these two, in three dimensions on ``(eps_nn, gamma_ns,
+        gamma_nt)``. The criterion must be isotropic. For a single plane with pressure-dependent
+        strength it is ``|tau| <= c - sigma_n tan(phi)`` (T43, T94).
 
         Raises:
-            InputError: several planes: the layer would have an envelope that is none of planes;
-                so much friction that nothing opens fast enough to slip.
+            InputError: several planes, as the layer would have an envelope that is not made of
+                planes; or too much friction for slip with opening.
         """
         axes = np.array([0, 3, 5] if self.rows.shape[1] == 6 else [0, 2])
         if self.surfaces:
             return self._layer(axes)
         rows, factor = self.rows[:, axes], self.volumetric_factor
-        if not self.compressible:  # eps_nn = theta = 0: it stays in regularised norms only
+        if not self.compressible:  # eps_nn = theta = 0, which only matters in regularised norms
             factor = float(np.hypot(np.linalg.norm(rows[:, 0]), factor))
             rows = rows * (np.arange(axes.size) > 0)
         return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
@@ -201,7 +206,7 @@ class ConicForm(Compact):
 
     @property
     def _rest(self) -> Floats:
-        """What a layer that opens by 1 has left to slip, squared, as of ``1 - sin(phi)^2``."""
+        """Square of the slip of a layer that opens by 1, as ``1 - sin(phi)^2``."""
         opening = float(self.rows[:, 0] @ self.rows[:, 0])
         return np.asarray(1 - opening * np.asarray(self.surfaces[0].slope[0]) ** 2)
 
@@ -231,7 +236,7 @@ class ConicForm(Compact):
                 "take 'p2-vertex', or less friction",
             )
         (plane,), cosine = self.surfaces, np.sqrt(self._rest)
-        slope, strength = plane.slope[0] / cosine, plane.strength / cosine  # c of c cos(phi)
+        slope, strength = plane.slope[0] / cosine, plane.strength / cosine  # c from c cos(phi)
         return ConicForm(
             rows=np.eye(axes.size)[1:],
             volumetric=np.eye(axes.size)[:1],
@@ -241,7 +246,7 @@ class ConicForm(Compact):
 
 
 def of_elements(value: Strengths, elements: Ints) -> Floats:
-    """A number of all elements, or of each, in elements of any shape."""
+    """Return a value for all elements, or one for each, in elements of any shape."""
     if isinstance(value, Field):
         raise ValueError("a function of place has values at points: see `ConicForm.at_points`")
     if np.ndim(value) == 0:

@@ -1,4 +1,4 @@
-"""The protocol of yield criteria: all that the rest of lacore asks of a material."""
+"""Protocol of yield criteria, all that lacore requires of a material."""
 
 from typing import Protocol, runtime_checkable
 
@@ -8,26 +8,26 @@ from lacore.model.materials.hardening import HardeningLaw
 
 @runtime_checkable
 class Criterion(Protocol):
-    """A yield criterion. One of your own has these; bodies, bounds and pictures ask for no more."""
+    """Yield criterion. A user-defined criterion needs these members."""
 
     @property
     def strength(self) -> float:
-        """Largest shear stress that it carries anywhere, initial where it hardens, Pa."""
+        """Largest shear stress anywhere, Pa; the initial one with hardening."""
         ...
 
     @property
     def label(self) -> str:
-        """Its strengths as text, for pictures and tables: ``k = 1 Pa``."""
+        """Strengths as text, for pictures and tables: ``k = 1 Pa``."""
         ...
 
     @property
     def law(self) -> HardeningLaw | None:
-        """Yield stress in tension over the equivalent plastic strain; None: it does not harden.
+        """Yield stress in tension over the equivalent plastic strain; None without hardening.
 
-        One whose strength depends on pressure has none.
+        Pressure-dependent criteria have none.
         """
         ...
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Cone of the dissipation (T1) in one of `lacore.model.materials.conic_form.KINEMATICS`."""
+        """Return the cone of the dissipation (T1) for one of the `KINEMATICS` of conic forms."""
         ...

@@ -1,4 +1,4 @@
-"""The criterion of Drucker and Prager (T41, T42)."""
+"""Criterion of Drucker and Prager (T41, T42)."""
 
 from __future__ import annotations
 
@@ -18,30 +18,29 @@ from lacore.reporting.showing import Compact
 from lacore.reporting.text import join
 
 MATCHES = ("plane_strain", "compression", "extension")
-"""Where a cone of Drucker and Prager meets one of Mohr and Coulomb."""
-_LEAST_ROOT = 1e-3  # m of plane stress: below it a sheet is all but locked
+"""Where a Drucker-Prager cone matches a Mohr-Coulomb one."""
+_LEAST_ROOT = 1e-3  # m of plane stress, below which a sheet is almost locked
 
 
 @dataclass(frozen=True, repr=False)
 class DruckerPrager(Compact):
     """A cone around the hydrostatic axis, ``sqrt(J2) <= k - a tr(sigma)/3`` (T41).
 
-    With a dilation angle below the friction angle flow is not associated (T49): its potential is
-    the cone of that angle. In plane strain stresses that flow are then less than those that are
-    allowed, so that it meets `MohrCoulomb` no longer, whatever the match (T88).
+    With a dilation angle below the friction angle flow is non-associated (T49): its potential is
+    the cone of that angle. In plane strain the stresses during flow are then smaller than the
+    admissible ones, so that it does not match `MohrCoulomb` for any choice (T88).
 
     Attributes:
-        cohesion: c, Pa, of the Mohr-Coulomb criterion to match; it may vary from place to place, as
-            there.
-        friction_angle: phi, degrees, of that criterion; both angles may vary, too, but not in plane
-            stress, whose cones turn with them.
-        match: where it is met (T42): ``plane_strain``, where both are the same, or by the strengths
-            in triaxial ``compression`` or ``extension``.
+        cohesion: c, Pa, of the Mohr-Coulomb criterion to match; it may vary with place, as there.
+        friction_angle: phi, degrees, of that criterion; both angles may vary with place, but not in
+            plane stress, where the axes of cones depend on them.
+        match: where both agree (T42): in ``plane_strain``, or for the strengths in triaxial
+            ``compression`` or ``extension``.
         dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.
 
     Raises:
-        InputError: as of `MohrCoulomb`; an unknown match; in plane stress so much friction that
-            stresses of a sheet have no bound, or a dilation angle below the friction angle.
+        InputError: see `MohrCoulomb`; an unknown match; in plane stress too much friction for
+            bounded stresses, or a dilation angle below the friction angle.
 
     Example:
         >>> sand = la.DruckerPrager(cohesion=5e3, friction_angle=30.0)  # Pa, degrees
@@ -74,7 +73,7 @@ class DruckerPrager(Compact):
 
     @property
     def flow(self) -> float | None:
-        """Slope of the cone of the dilation angle; None of associated flow, nan: it varies."""
+        """Slope of the cone of the dilation angle; None for associated flow, NaN if it varies."""
         friction, dilation = self._friction, self._dilation
         if isinstance(friction, Field) or isinstance(dilation, Field):
             return None if dilation is None else nan
@@ -83,7 +82,7 @@ class DruckerPrager(Compact):
         return float(self._slope(dilation))
 
     def _per_sine(self, angle: float | Floats) -> tuple[float | Floats, float | Floats]:
-        """Slope of a cone that meets an angle, degrees, per its sine, and that sine."""
+        """Return the slope of a cone for an angle, degrees, divided by its sine, and that sine."""
         sine = np.sin(np.radians(angle))
         if self.match == "plane_strain":
             return sqrt(3) / np.sqrt(3 + sine**2), sine
@@ -108,7 +107,7 @@ class DruckerPrager(Compact):
 
     @property
     def k(self) -> Strength:
-        """Shear stress k that it carries without pressure, Pa; nan where the angle varies."""
+        """Shear strength k at zero pressure, Pa; NaN if the angle varies."""
         if isinstance(self._friction, Field):
             return nan
         return self._k(self._friction, self._cohesion)  # type: ignore[return-value]  # no array
@@ -119,7 +118,7 @@ class DruckerPrager(Compact):
 
     @property
     def strength(self) -> float:
-        """As `k`; nan where it varies."""
+        """See `k`; NaN if it varies."""
         return nan if isinstance(self.k, Field) else float(self.k)
 
     @property
@@ -134,17 +133,17 @@ class DruckerPrager(Compact):
         return None
 
     def weakened(self, factor: float) -> DruckerPrager:
-        """Cohesion and ``tan(phi)`` divided by a factor."""
+        """Return the criterion with cohesion and ``tan(phi)`` divided by a factor."""
         angle, dilation = flatter("DruckerPrager", self._friction, self._dilation, factor)
         return DruckerPrager(self._cohesion / factor, angle, self.match, dilation)
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Rows of von Mises, with the one plane of the cone (T41).
+        """Return the rows of von Mises, with the one plane of the cone (T41).
 
         Plane strain: ``theta^2/3`` of the norm moves to the other side. Plane stress: eps_zz is
         free, and ``m lam = ||(d, sqrt(3) theta/m)|| - 2 a theta/m`` with ``m^2 = 1 - 4 a^2/3``; the
-        linear part is that of two planes. Where flow is not associated, in plane strain all of the
-        norm is kept, as `sigma_zz` is what flow makes of it, and less where nothing flows.
+        linear part is that of two planes. For non-associated flow in plane strain the whole norm is
+        kept, as `sigma_zz` follows from the flow, and is smaller where nothing flows.
         """
         if isinstance(self._friction, Field) or isinstance(self._dilation, Field):
             raise ValueError("an angle that varies is one of elements: see `form_of`")
@@ -153,10 +152,10 @@ class DruckerPrager(Compact):
     def form_of(
         self, kinematics: str, angles: Floats, cohesion: Strengths, dilation: Floats | None
     ) -> ConicForm:
-        """The same with angles, degrees, and cohesions of each element, (elements,).
+        """Return the form with angles, degrees, and cohesions of each element, (elements,).
 
         Raises:
-            InputError: in plane stress, where the axes of cones turn with their angle.
+            InputError: in plane stress, where the axes of cones depend on their angle.
         """
         if kinematics == "plane_stress":
             raise InputError(
@@ -175,7 +174,10 @@ class DruckerPrager(Compact):
         k: Strengths,
         flow: float | Floats | None,
     ) -> ConicForm:
-        """Of slope a, strength k, Pa, and slope of the flow, of all elements or of each."""
+        """Return the form for slope a, strength k, Pa, and slope of the flow.
+
+        Each is a number, or one for each element.
+        """
         require_known("Body.kinematics", kinematics, KINEMATICS)
         own = (Surface((a,), k, flow=None if flow is None else (flow,)),)
         if flow is not None and kinematics == "plane_stress":

@@ -1,4 +1,4 @@
-"""Strengths that vary from place to place: functions of coordinates, or a value in each element."""
+"""Varying strengths: functions of coordinates, or a value in each element."""
 
 from __future__ import annotations
 
@@ -14,38 +14,38 @@ from lacore.reporting.showing import Compact, placed, short
 from lacore.reporting.text import Quantity, text
 
 Given = float | Sequence[float] | Callable[[Floats], Floats]
-"""What stands for a strength: Pa, one value for each element of a mesh, or a function."""
+"""Argument for a strength: Pa, one value for each element of a mesh, or a function."""
 
 
 @runtime_checkable
 class Bending(Protocol):
-    """A function of place that knows where it bends; elsewhere it is linear."""
+    """Function of place that knows where it bends; elsewhere it is linear."""
 
     def bends(self, low: Floats, high: Floats) -> Bools:
-        """Whether it does within boxes, by their corners of shape (d, n), shape (n,)."""
+        """Return whether it bends within boxes, by their corners of shape (d, n), shape (n,)."""
         ...
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Field(Compact):
-    """A strength, or a friction angle, that varies: of criteria, in place of a number.
+    """Varying strength, or friction angle, as argument of criteria instead of a number.
 
-    A function is seen from within each element, and may jump from one to the next: let edges of the
-    mesh follow its jumps. Where it is linear in each element, which is taken from 15 places of it
-    to 1e-12 of its size, bounds are strict as they are. Else give `steepest`, and in each element
-    bounds take the least and the greatest value that it can have there, whatever those places say,
-    unless the function knows where it bends, as `lacore.ByLevel` does.
+    A function is evaluated within each element, and may jump between elements: let edges of the
+    mesh follow its jumps. If it is linear in each element, which is checked at 15 places of it to
+    1e-12 of its size, bounds are strict without further data. Otherwise give `steepest`, and in
+    each element bounds use the smallest and largest value that it can have there, for any values at
+    those places, unless the function knows where it bends, as `lacore.ByLevel` does.
 
     Attributes:
-        values: a function of coordinates of shape (2, n), in space (3, n), that returns n values in
-            Pa, or one value for each element of the mesh, shape (elements,). Along a path also by
-            strain points, shape (elements, q).
-        steepest: largest slope of the function anywhere within an element, Pa/m; None: not known.
-        factor: of all values; of the strengths of a form also one of each element, (elements,).
+        values: a function of coordinates of shape (2, n), in three dimensions (3, n), that returns
+            n values in Pa, or one value for each element of the mesh, shape (elements,). Along a
+            path also by strain points, shape (elements, q).
+        steepest: largest slope of the function anywhere within an element, Pa/m; None: unknown.
+        factor: factor of all values; for the strengths of a form also one for each element,
+            (elements,).
 
     Raises:
-        InputError: what is neither, numbers that are negative or none, a slope that is not
-            positive.
+        InputError: other values, invalid or negative numbers, or a slope that is not positive.
 
     Example:
         >>> deeper = la.Field(lambda x: 10e3 - 2e3 * x[1])  # Pa, at y < 0
@@ -55,7 +55,7 @@ class Field(Compact):
     values: Callable[[Floats], Floats] | Floats
     steepest: float | None = None
     factor: float | Floats = 1.0
-    __array_ufunc__: ClassVar[None] = None  # an array times a field is a field, too
+    __array_ufunc__: ClassVar[None] = None  # An array times a field is a field, too.
 
     def __post_init__(self) -> None:
         if self.steepest is not None:
@@ -64,41 +64,41 @@ class Field(Compact):
             object.__setattr__(self, "values", _array("Field.values", self.values))
 
     def __mul__(self, factor: float | Floats) -> Field:
-        """All values times a factor, Pa."""
+        """Return all values times a factor, Pa."""
         return self._scaled(self.factor * factor)
 
     __rmul__ = __mul__
 
     def __truediv__(self, divisor: float | Floats) -> Field:
-        """All values divided, Pa."""
+        """Return all values divided, Pa."""
         return self * (1 / divisor)
 
     def __sub__(self, other: Field) -> Field:
-        """Less a multiple of itself, Pa."""
+        """Return the field minus a multiple of itself, Pa."""
         if other.values is not self.values:
             raise ValueError("a field less another one is no multiple of it")
         return self._scaled(self.factor - other.factor)
 
     def _scaled(self, factor: float | Floats) -> Field:
-        """With another factor; its values are the same object, by which it is known again."""
+        """Return the field with another factor, and the same values object, which identifies it."""
         scaled = replace(self, factor=factor)
         object.__setattr__(scaled, "values", self.values)
         return scaled
 
     @property
     def told(self) -> str:
-        """In a word: ``varies``."""
+        """Short text: ``varies``."""
         return "varies" if callable(self.values) else "of each element"
 
     def told_in(self, unit: str) -> Quantity | str:
-        """The same, if no values are known."""
+        """Return the text in a unit if values are known, else the short text."""
         return self.told
 
     def at(self, places: Floats, field: str) -> Floats:
-        """Values of a function at places of shape (d, n), without the factor, Pa, shape (n,).
+        """Return the values of a function at places (d, n), without the factor, Pa, shape (n,).
 
         Raises:
-            InputError: it fails there, or returns something else than n finite numbers >= 0.
+            InputError: it fails there, or does not return n finite numbers >= 0.
         """
         assert callable(self.values)
         return np.asarray(called(field, self.values, places, (places.shape[1],)))
@@ -106,31 +106,31 @@ class Field(Compact):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Ranged(Field):
-    """A field of which the least and the greatest value are known, to be told.
+    """Field with a known range of values, for texts.
 
     Attributes:
-        ends: least and greatest of the values, without the factor.
+        ends: smallest and largest value, without the factor.
     """
 
     ends: tuple[float, float] = (0.0, 0.0)
 
     def told_in(self, unit: str) -> Quantity | str:
-        """``10000 to 16000 Pa``."""
+        """Return a text such as ``10000 to 16000 Pa``."""
         low, high = sorted(float(np.max(self.factor)) * end for end in self.ends)
         return Quantity((low, high), unit, ".4g", "{} to {}")
 
 
 Strength = float | Field
-"""As criteria keep it."""
+"""Strength as stored in criteria."""
 Strengths = float | Floats | Field
-"""As forms keep it: also of each element, shape (elements,)."""
+"""Strength as stored in forms, also one for each element, shape (elements,)."""
 
 
 def taken(field: str, given: Given | Field | None) -> Any:
-    """A number or None as it is; functions and values of elements as a `Field`.
+    """Return a number or None unchanged, and functions and values of elements as a `Field`.
 
     Raises:
-        InputError: values of elements that are no strengths.
+        InputError: values of elements that are not strengths.
     """
     if isinstance(given, Field) or given is None or is_number(given):
         return given
@@ -142,7 +142,7 @@ def taken(field: str, given: Given | Field | None) -> Any:
 
 
 def varying(criterion: object) -> dict[str, Field]:
-    """The fields of a criterion, by the names under which they were given."""
+    """Return the fields of a criterion, by the names of their arguments."""
     if not is_dataclass(criterion):
         return {}
     given = {entry.name: getattr(criterion, entry.name) for entry in fields(criterion)}
@@ -150,7 +150,7 @@ def varying(criterion: object) -> dict[str, Field]:
 
 
 def with_fields(criterion: Any, change: Callable[[Field], Field]) -> Any:
-    """A criterion with each of its fields changed."""
+    """Return a criterion with each of its fields changed."""
     found = varying(criterion)
     if not found:
         return criterion
@@ -158,7 +158,7 @@ def with_fields(criterion: Any, change: Callable[[Field], Field]) -> Any:
 
 
 def number_told(name: str, value: Strength, unit: str = "Pa") -> str:
-    """``k = 1 Pa``, or ``k varies``."""
+    """Return a text such as ``k = 1 Pa``, or ``k varies``."""
     told = value.told_in(unit) if isinstance(value, Field) else Quantity(value, unit, ".4g")
     return text("{} {}" if isinstance(told, str) else "{} = {}", name, told)
 
@@ -170,15 +170,14 @@ def called(
     shape: tuple[int, ...],
     least: float = 0.0,
 ) -> Floats:
-    """What a function returns at places of shape (d, n), checked.
+    """Return the values of a function at places of shape (d, n), checked.
 
     Raises:
-        InputError: it fails, or returns something else than finite numbers of a shape, none below
-            the least.
+        InputError: it fails, or does not return finite numbers of a shape, at least `least`.
     """
     try:
         values = np.asarray(function(places), dtype=np.float64)
-    except Exception as error:  # of others
+    except Exception as error:  # functions of users
         raise InputError(
             field,
             None,

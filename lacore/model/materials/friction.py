@@ -13,14 +13,14 @@ from lacore.reporting.showing import Compact, rounded_down, short
 from lacore.reporting.text import Quantity, Term, text
 
 _DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
-_ROUND_OFF = 1e-12  # of the adhesion, where a tension is meant to be that of the apex
+_ROUND_OFF = 1e-12  # by the adhesion, within which a tension is that of the apex
 
 
 @dataclass(frozen=True, repr=False)
 class FrictionTerms(Compact):
-    """A law as ``||t_t|| <= (coefficient + dilatancy) t + limit``, ``u_n >= dilatancy ||u_t||``.
+    """Law ``||t_t|| <= (coefficient + dilatancy) t + limit``, ``u_n >= dilatancy ||u_t||``.
 
-    With ``t = t_n + tension >= 0`` (T66).
+    Here ``t = t_n + tension >= 0`` (T66).
     """
 
     coefficient: float
@@ -30,11 +30,11 @@ class FrictionTerms(Compact):
 
     @property
     def slope(self) -> float:
-        """What pressure adds to the shear stress that is carried; sliding may dilate."""
+        """Increase of the shear strength by pressure; sliding may dilate."""
         return self.coefficient + self.dilatancy
 
     def within(self, other: FrictionTerms) -> bool:
-        """Whether a law carries no more than another one, at any pressure."""
+        """Return whether a law carries no more than another one, at any pressure."""
         if self.tension > other.tension or self.slope > other.slope:
             return False
         return self.limit <= other.limit + other.slope * (other.tension - self.tension)
@@ -44,14 +44,15 @@ class FrictionTerms(Compact):
 class Coulomb(Compact):
     """Unilateral Coulomb friction ``||t_t|| <= adhesion + mu t_n``, ``t_n >= -tension`` (T2, T66).
 
-    What sticks is strong as a plastic body is: adhesion and tension are kept while it slips and
-    opens. (What breaks at first slip has neither where it slips: give it without them, too.)
+    Adhesion is plastic: adhesion and tension are kept while the contact slips and opens. (An
+    interface that breaks at first slip has neither where it slips; also compute it without them.)
 
     Attributes:
         mu: friction coefficient, >= 0.
-        associated: sliding dilates, ``u_n >= mu ||u_t||``, and friction dissipates nothing (T4).
-        adhesion: shear strength without pressure, of a wall beside soil c_a, Pa, >= 0; of nodes of
-            frames N, as their tractions are.
+        associated: with sliding dilates, ``u_n >= mu ||u_t||``, and friction dissipates nothing
+            (T4).
+        adhesion: shear strength at zero pressure, for a wall next to soil c_a, Pa, >= 0; for nodes
+            of frames in N, like their tractions.
         tension: strength in tension, in the same unit, >= 0; at most ``adhesion/mu``, where the
             cone ends.
 
@@ -102,30 +103,30 @@ class Coulomb(Compact):
             )
 
     def __repr__(self) -> str:
-        """As it is written, without strengths that it has not."""
+        """Return the expression, without strengths that are zero."""
         told = f"Coulomb(mu={short(self.mu)}, associated={self.associated}"
         if self.adhesion or self.tension:
             told += f", adhesion={short(self.adhesion)}, tension={short(self.tension)}"
         return f"{told})"
 
     def terms(self) -> FrictionTerms:
-        """The law as coefficients of the program."""
+        """Return the law as coefficients of the program."""
         limit = max(self.adhesion - self.mu * self.tension, 0.0)
         if self.associated:
             return FrictionTerms(0.0, limit, self.mu, self.tension)
         return FrictionTerms(self.mu, limit, 0.0, self.tension)
 
     def frictionless(self) -> Friction:
-        """What it carries whatever presses: a cylinder inside its cone (T14); SMOOTH of none."""
+        """Return the strength at any pressure, a cylinder in its cone (T14); SMOOTH without any."""
         limit = max(self.adhesion - self.mu * self.tension, 0.0)
         return replace(self, mu=0.0, adhesion=limit) if limit or self.tension else SMOOTH
 
     def dilating(self) -> Coulomb:
-        """The same cone with associated flow, which carries no less (T14)."""
+        """Return the same cone with associated flow, which carries no less (T14)."""
         return replace(self, associated=True)
 
     def divided(self, factor: float) -> Coulomb:
-        """With all strengths divided by a factor; the apex stays, and no tension is beyond it."""
+        """Return the law with strengths divided by a factor, and tension limited to the apex."""
         mu, adhesion, tension = (part / factor for part in (self.mu, self.adhesion, self.tension))
         if mu > 0:
             tension = min(tension, adhesion / mu)
@@ -136,7 +137,7 @@ class Coulomb(Compact):
 class Tresca(Compact):
     """Unilateral contact with a fixed bound on friction, ``||t_t|| <= limit``, in Pa.
 
-    The bound holds wherever the body is, also where it lifts off.
+    The bound applies at any opening, also after lift-off.
 
     Example:
         >>> film = la.Tresca(limit=10e3)  # Pa
@@ -151,23 +152,23 @@ class Tresca(Compact):
             )
 
     def __repr__(self) -> str:
-        """As it is written: by its name, where it has one."""
+        """Return the expression: its name if it has one."""
         return {0.0: "SMOOTH", inf: "STICK"}.get(self.limit) or super().__repr__()
 
     def terms(self) -> FrictionTerms:
-        """The law as coefficients of the program."""
+        """Return the law as coefficients of the program."""
         return FrictionTerms(0.0, self.limit, 0.0)
 
     def frictionless(self) -> Tresca:
-        """The same: it does not depend on pressure."""
+        """Return the same law, because it does not depend on pressure."""
         return self
 
     def dilating(self) -> Tresca:
-        """The same: its flow is associated."""
+        """Return the same law, because its flow is associated."""
         return self
 
     def divided(self, factor: float) -> Tresca:
-        """With its limit divided by a factor."""
+        """Return the law with its limit divided by a factor."""
         return Tresca(self.limit / factor)
 
 
@@ -175,49 +176,49 @@ SMOOTH = Tresca(0.0)
 
 
 STICK = Tresca(inf)
-"""No slip, wherever the bodies are; but it opens freely: what carries tension, too, is `BOND`."""
+"""No slip, at any opening; but it opens freely: `BOND` also carries tension."""
 
 
 @dataclass(frozen=True, repr=False)
 class Bonded(Compact):
-    """Neither slip nor opening, up to the strength of the weaker side: as if both were one."""
+    """Neither slip nor opening, up to the strength of the weaker side, as in one body."""
 
     def __repr__(self) -> str:
-        """As it is written."""
+        """Return the expression."""
         return "BOND"
 
     def terms(self) -> FrictionTerms:
-        """That of sticking: what opens is no matter of friction."""
+        """Return the terms of sticking, as opening is not part of friction."""
         return FrictionTerms(0.0, inf, 0.0)
 
     def frictionless(self) -> Bonded:
-        """The same: it does not depend on pressure."""
+        """Return the same law, because it does not depend on pressure."""
         return self
 
     def dilating(self) -> Bonded:
-        """The same: its flow is associated."""
+        """Return the same law, because its flow is associated."""
         return self
 
     def divided(self, factor: float) -> Bonded:
-        """The same: its strength is that of the bodies."""
+        """Return the same law, because its strength is that of the bodies."""
         return self
 
 
 BOND = Bonded()
-"""What an interface is that transfers all that the weaker side can carry."""
+"""Interface that transfers all that the weaker side can carry."""
 
 
 Friction = Coulomb | Tresca | Bonded
-"""A law of friction; where it is asked for, a number is the coefficient of `lacore.Coulomb`."""
+"""Law of friction; arguments also accept a number, the coefficient of `lacore.Coulomb`."""
 
 
 def in_degrees(friction: float) -> bool:
-    """Whether a bare coefficient looks like an angle in degrees."""
+    """Return whether a bare coefficient looks like an angle in degrees."""
     return _DEGREES[0] <= friction < _DEGREES[1]
 
 
 def friction_law(friction: float | Friction, field: str) -> Friction:
-    """A friction law, a bare coefficient read as Coulomb friction.
+    """Return a friction law; a bare coefficient means Coulomb friction.
 
     Raises:
         InputError: neither, a coefficient below 0 or NaN, or a bare one that looks like an angle in

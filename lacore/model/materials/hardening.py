@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 __all__ = ["HardeningLaw", "Linear", "Perfect", "Swift", "Table", "Voce"]
 
 _SAMPLES = np.concatenate([[0.0], np.geomspace(1e-6, 10.0, 71)])
-_KINKS = 0.25  # of the samples may lie at corners of a law
+_KINKS = 0.25  # share of the samples that may lie at corners of a law
 
 
 @runtime_checkable
 class HardeningLaw(Protocol):
-    """An isotropic law. One of your own has these two methods, for arrays of any shape.
+    """Isotropic law. A user-defined law needs these two methods, for arrays of any shape.
 
-    `VonMises` samples it from 0 to 10 and refuses one that softens.
+    `VonMises` samples it from 0 to 10 and rejects a law that softens.
     """
 
     def stress(self, strain: Floats) -> Floats:
@@ -35,16 +35,16 @@ class HardeningLaw(Protocol):
         ...
 
     def modulus(self, strain: Floats) -> Floats:
-        """Derivative of `stress`, Pa, >= 0."""
+        """Return the derivative of `stress`, Pa, >= 0."""
         ...
 
 
 @dataclass(frozen=True, repr=False)
 class Perfect(Compact):
-    """No hardening: the yield stress stays what it is.
+    """No hardening: the yield stress is constant.
 
     Attributes:
-        yield_stress: in tension, Pa.
+        yield_stress: yield stress in tension, Pa.
 
     Raises:
         InputError: not a positive finite number.
@@ -64,7 +64,7 @@ class Perfect(Compact):
         return np.full(np.shape(strain), float(self.yield_stress))
 
     def modulus(self, strain: Floats) -> Floats:
-        """Zero."""
+        """Return zero."""
         return np.zeros(np.shape(strain))
 
 
@@ -73,11 +73,11 @@ class Linear(Compact):
     """``sigma_Y = yield_stress + slope eb``.
 
     Attributes:
-        yield_stress: initial, in tension, Pa.
+        yield_stress: initial yield stress in tension, Pa.
         slope: hardening modulus, Pa, >= 0.
 
     Raises:
-        InputError: a yield stress that is not positive, a slope that is negative.
+        InputError: a yield stress that is not positive, or a negative slope.
 
     Example:
         >>> la.hardening.Linear(yield_stress=235e6, slope=1e9).stress(np.array([0.0, 0.1])).tolist()
@@ -99,18 +99,18 @@ class Linear(Compact):
         return np.asarray(self.yield_stress + self.slope * np.asarray(strain))
 
     def modulus(self, strain: Floats) -> Floats:
-        """The slope, Pa."""
+        """Return the slope, Pa."""
         return np.full(np.shape(strain), float(self.slope))
 
 
 @dataclass(frozen=True, repr=False)
 class Voce(Compact):
-    """``sigma_Y = saturation - (saturation - yield_stress) exp(-rate eb)``: hardening that ends.
+    """``sigma_Y = saturation - (saturation - yield_stress) exp(-rate eb)``: hardening to a limit.
 
     Attributes:
-        yield_stress: initial, in tension, Pa.
-        saturation: that of large strains, Pa, >= yield_stress.
-        rate: of the approach, > 0.
+        yield_stress: initial yield stress in tension, Pa.
+        saturation: yield stress at large strains, Pa, >= yield_stress.
+        rate: rate of the approach, > 0.
 
     Raises:
         InputError: a number that is not positive, a saturation below the yield stress.
@@ -142,7 +142,7 @@ class Voce(Compact):
         return np.asarray(self.yield_stress + (self.saturation - self.yield_stress) * rise)
 
     def modulus(self, strain: Floats) -> Floats:
-        """Its derivative, Pa."""
+        """Return its derivative, Pa."""
         left = np.exp(-self.rate * np.asarray(strain))
         return np.asarray((self.saturation - self.yield_stress) * self.rate * left)
 
@@ -152,9 +152,9 @@ class Swift(Compact):
     """``sigma_Y = strength (offset + eb)^exponent``: a power law that starts at a yield stress.
 
     Attributes:
-        strength: that of ``offset + eb = 1``, Pa.
-        offset: strain that the material has behind it, > 0.
-        exponent: of hardening, from 0 to 1.
+        strength: yield stress at ``offset + eb = 1``, Pa.
+        offset: previous strain of the material, > 0.
+        exponent: hardening exponent, from 0 to 1.
 
     Raises:
         InputError: a strength or offset that is not positive, an exponent out of its range.
@@ -183,20 +183,20 @@ class Swift(Compact):
         return np.asarray(self.strength * (self.offset + np.asarray(strain)) ** self.exponent)
 
     def modulus(self, strain: Floats) -> Floats:
-        """Its derivative, Pa."""
+        """Return its derivative, Pa."""
         total = self.offset + np.asarray(strain)
         return np.asarray(self.strength * self.exponent * total ** (self.exponent - 1))
 
 
 @dataclass(frozen=True, repr=False)
 class Table(Compact):
-    """Measured points, between them the monotone cubic interpolation of Fritsch & Carlson (1980).
+    """Measured points with the monotone cubic interpolation of Fritsch & Carlson (1980).
 
-    Beyond the last point the yield stress stays what it is there: nobody has measured more, and a
-    load must not rest on it. The modulus may jump to zero there.
+    Beyond the last point the yield stress is constant, because a load must not rely on a strength
+    that was not measured. The modulus may jump to zero there.
 
     Attributes:
-        strains: equivalent plastic, increasing from 0; any sequence, kept as a tuple.
+        strains: equivalent plastic strains, increasing from 0; any sequence, stored as a tuple.
         stresses: yield stresses in tension there, Pa, nowhere decreasing.
 
     Raises:
@@ -214,7 +214,7 @@ class Table(Compact):
 
     def __post_init__(self) -> None:
         for name in ("strains", "stresses"):
-            # A frozen class takes arrays and lists too, and stays hashable.
+            # A frozen class also accepts arrays and lists, and must be hashable.
             object.__setattr__(self, name, _numbers(f"Table.{name}", getattr(self, name)))
         if len(self.strains) != len(self.stresses):
             raise InputError(
@@ -234,14 +234,14 @@ class Table(Compact):
         return np.asarray(self._curve(np.clip(strain, 0.0, self.strains[-1])))
 
     def modulus(self, strain: Floats) -> Floats:
-        """Its derivative, Pa; at the last point that of the curve before it."""
+        """Return its derivative, Pa; at the last point that of the curve before it."""
         # The derivative of a monotone cubic may be negative by round-off.
         slopes = np.maximum(self._slope(np.clip(strain, 0.0, self.strains[-1])), 0.0)
         return np.asarray(np.where(np.asarray(strain) > self.strains[-1], 0.0, slopes))
 
     @cached_property
     def _curve(self) -> PchipInterpolator:
-        # Here: it takes half a second to load, and only tables have a use for it.
+        # Import it here, because it takes half a second to load and only tables use it.
         from scipy.interpolate import PchipInterpolator
 
         return PchipInterpolator(self.strains, self.stresses)
@@ -252,12 +252,12 @@ class Table(Compact):
 
 
 def require_hardening_law(field: str, law: HardeningLaw) -> None:
-    """Raise `InputError` unless a law is one, and hardens wherever it is sampled from 0 to 10."""
+    """Raise `InputError` unless a law is valid, and does not soften at samples from 0 to 10."""
     if isinstance(law, type) or not isinstance(law, HardeningLaw):
         raise InputError(
             field, law, "not a hardening law", "give lacore.hardening.Voce(...) or another of them"
         )
-    with np.errstate(all="ignore"):  # what overflows is refused below
+    with np.errstate(all="ignore"):  # Overflow is rejected below.
         found = {"stress": law.stress(_SAMPLES), "modulus": law.modulus(_SAMPLES)}
     for name, values in found.items():
         if np.shape(values) != _SAMPLES.shape:

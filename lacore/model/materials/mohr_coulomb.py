@@ -1,7 +1,7 @@
-"""Criteria of planes of stress: Mohr-Coulomb, Tresca, Rankine, no tension (T38-T40).
+"""Criteria made of planes in stress space: Mohr-Coulomb, Tresca, Rankine, no tension (T38-T40).
 
-All are planes ``q <= b - a P`` in the mean stress P and the deviator q of the plane, with the
-third principal stress where it is not free.
+All are planes ``q <= b - a P`` in the mean stress P and the deviator q of the plane, and the third
+principal stress if it is not free.
 """
 
 from __future__ import annotations
@@ -32,25 +32,25 @@ from lacore.reporting.text import Quantity, join, text
 class MohrCoulomb(Compact):
     """Soil, rock, concrete: ``tau <= c - sigma tan(phi)`` on every plane (T38).
 
-    With a dilation angle below the friction angle flow is not associated (T49): bound theorems do
-    not hold, and load factors need not be unique. That of cut-offs stays associated (T88).
-    Cohesion, angles and cut-offs may vary from place to place: a `lacore.Field`, a function
-    of coordinates of shape (2, n), or a value for each element. Within an element in which the
-    friction angle varies bounds take a cone that lies within, or around, all of those there (T87).
+    With a dilation angle below the friction angle flow is non-associated (T49): bound theorems do
+    not hold, and load factors may not be unique. Flow at cut-offs remains associated (T88).
+    Cohesion, angles and cut-offs may vary with place: a `lacore.Field`, a function of coordinates
+    of shape (2, n), or a value for each element. Within an element in which the friction angle
+    varies, bounds use a cone within, or around, all of those there (T87).
 
     Attributes:
         cohesion: c, Pa, >= 0.
         friction_angle: phi, degrees: 0, or from 0.1 to 89 everywhere.
-        tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none. Where
-            one of them varies it changes nothing where it is beyond that: a body says in which part
-            of it, and refuses one that is beyond it everywhere.
-        crushing: largest compression of a principal stress, Pa; None: none.
+        tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: no cut-off. If
+            one of them varies, the cut-off has no effect where it is larger: the body states where,
+            and rejects one that has no effect anywhere.
+        crushing: largest compression of a principal stress, Pa; None: unlimited.
         dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.
 
     Raises:
         InputError: an angle outside of [0, 89] degrees, or one that looks like radians; neither
             cohesion nor friction; a cut-off beyond the apex; a dilation angle above the friction
-            angle, or beside one that varies.
+            angle.
 
     Example:
         >>> sand = la.MohrCoulomb(cohesion=5e3, friction_angle=30.0)  # Pa, degrees
@@ -118,9 +118,9 @@ class MohrCoulomb(Compact):
 
     @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure, Pa; nan where it varies.
+        """Shear strength at zero pressure, Pa; NaN if it varies.
 
-        ``c cos(phi)``, or a cut-off below that.
+        It is ``c cos(phi)``, or a smaller cut-off.
         """
         if isinstance(self._friction, Field):
             return nan
@@ -138,10 +138,10 @@ class MohrCoulomb(Compact):
         return None
 
     def beyond_apex(self, at: Callable[[Strength], Floats]) -> Floats | None:
-        """By how much its cut-off is beyond the apex, times ``tan(phi)``, Pa; None without one.
+        """Return how far its cut-off is beyond the apex, times ``tan(phi)``, Pa; None without one.
 
         Args:
-            at: values of one of its strengths at places, of shapes that go together.
+            at: function for the values of one of its strengths at places, of compatible shapes.
         """
         most, _ = self._cutoffs
         if most is None:
@@ -150,12 +150,12 @@ class MohrCoulomb(Compact):
         return np.asarray(at(most) * tangent - at(self._cohesion))
 
     def weakened(self, factor: float) -> MohrCoulomb:
-        """Cohesion, ``tan(phi)`` and cut-offs divided by a factor; the apex stays.
+        """Return the criterion with cohesion, ``tan(phi)`` and cut-offs divided by a factor.
 
-        A dilation angle stays, too, as far as it is none above the friction angle.
+        The apex is kept. A dilation angle is kept, too, but limited to the friction angle.
 
         Raises:
-            InputError: an angle below 0.1 degrees comes of it.
+            InputError: the resulting angle is below 0.1 degrees.
         """
         tension, crushing = self._cutoffs
         angle, dilation = flatter("MohrCoulomb", self._friction, self._dilation, factor)
@@ -168,7 +168,7 @@ class MohrCoulomb(Compact):
         )
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
+        """Return the planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
         psi = self._dilation
         if isinstance(self._friction, Field) or isinstance(psi, Field):
             raise ValueError("an angle that varies is one of elements: see `form_of`")
@@ -183,21 +183,21 @@ class MohrCoulomb(Compact):
     def form_of(
         self, kinematics: str, angles: Floats, cohesion: Strengths, dilation: Floats | None
     ) -> ConicForm:
-        """The same with angles, degrees, and cohesions of each element, (elements,)."""
+        """Return the form with angles, degrees, and cohesions of each element, (elements,)."""
         phi = np.radians(angles)
         psi = None if dilation is None else np.sin(np.radians(dilation))
         return planes_form(kinematics, cohesion * np.cos(phi), np.sin(phi), *self._cutoffs, psi)
 
 
 def _take(criterion: Any, *names: str) -> None:
-    """Strengths as numbers or fields."""
+    """Store strengths as numbers or fields."""
     for name in names:
         field = f"{type(criterion).__name__}.{name}"
         object.__setattr__(criterion, name, taken(field, getattr(criterion, name)))
 
 
 def _known(*limits: Strength | None) -> float:
-    """The least of limits, Pa; nan where one varies."""
+    """Return the smallest limit, Pa; NaN if one varies."""
     numbers = [limit for limit in limits if limit is not None and not isinstance(limit, Field)]
     varies = any(isinstance(limit, Field) for limit in limits)
     return nan if varies else float(min(numbers))
@@ -208,12 +208,12 @@ class Rankine(Compact):
     """Principal stresses between two limits: masonry, plain concrete (T39).
 
     Attributes:
-        tensile_strength: largest principal stress, Pa, >= 0; both may vary from place to place as
-            those of `MohrCoulomb`.
-        compressive_strength: largest compression of a principal stress, Pa; None: none.
+        tensile_strength: largest principal stress, Pa, >= 0; both may vary with place as those of
+            `MohrCoulomb`.
+        compressive_strength: largest compression of a principal stress, Pa; None: unlimited.
 
     Raises:
-        InputError: a strength that is no number, negative, or beyond what can be computed with.
+        InputError: a strength that is invalid, negative, or too large for computation.
 
     Example:
         >>> concrete = la.Rankine(tensile_strength=2e6, compressive_strength=30e6)  # Pa
@@ -236,7 +236,7 @@ class Rankine(Compact):
 
     @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure, Pa; nan where it varies."""
+        """Shear strength at zero pressure, Pa; NaN if it varies."""
         return _known(*self._limits)
 
     @property
@@ -250,12 +250,12 @@ class Rankine(Compact):
         return None
 
     def weakened(self, factor: float) -> Rankine:
-        """Both strengths divided by a factor."""
+        """Return the criterion with both strengths divided by a factor."""
         tensile, crushing = self._limits
         return Rankine(tensile / factor, None if crushing is None else crushing / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Planes of T39."""
+        """Return the planes of T39."""
         return planes_form(kinematics, None, 0.0, *self._limits)
 
 
@@ -264,8 +264,8 @@ class NoTension(Compact):
     """Masonry as a continuum: no principal stress is tensile; `Rankine` with a strength of 0.
 
     Attributes:
-        compressive_strength: largest compression of a principal stress, Pa; None: none, and what is
-            compressed from all sides is locked.
+        compressive_strength: largest compression of a principal stress, Pa; None: unlimited, so
+            that compression from all sides locks.
 
     Raises:
         InputError: a strength that is not positive.
@@ -286,7 +286,7 @@ class NoTension(Compact):
 
     @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure: none."""
+        """Shear strength at zero pressure: zero."""
         return 0.0
 
     @property
@@ -300,24 +300,24 @@ class NoTension(Compact):
         return None
 
     def weakened(self, factor: float) -> NoTension:
-        """Its strength in compression divided by a factor."""
+        """Return the criterion with its strength in compression divided by a factor."""
         crushing = self._crushing
         return NoTension(None if crushing is None else crushing / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Planes of T39."""
+        """Return the planes of T39."""
         return planes_form(kinematics, None, 0.0, 0.0, self._crushing)
 
 
 @dataclass(frozen=True, repr=False)
 class MaximumShear(Compact):
-    """Tresca's criterion: no plane carries more than a shear stress (T40).
+    """Tresca's criterion: a limit of the shear stress on any plane (T40).
 
-    In plane strain that of von Mises with the same shear strength; not so in plane stress and in
+    In plane strain it equals von Mises with the same shear strength, but not in plane stress and
     axisymmetry. `lacore.Tresca` is the friction law of that name.
 
     Attributes:
-        shear_strength: Pa; it may vary from place to place as that of `VonMises`.
+        shear_strength: Pa; it may vary with place as that of `VonMises`.
 
     Raises:
         InputError: a strength that is not positive.
@@ -339,12 +339,12 @@ class MaximumShear(Compact):
 
     @property
     def strength(self) -> float:
-        """As `shear_strength`; nan where it varies."""
+        """See `shear_strength`; NaN if it varies."""
         return nan if isinstance(self._shear, Field) else self._shear
 
     @property
     def label(self) -> str:
-        """Its strength in shear, Pa."""
+        """Text on its shear strength."""
         if isinstance(self._shear, Field):
             return number_told("largest shear", self._shear)
         return text("largest shear {}", Quantity(self._shear, "Pa", ".4g"))
@@ -355,9 +355,9 @@ class MaximumShear(Compact):
         return None
 
     def weakened(self, factor: float) -> MaximumShear:
-        """Its strength divided by a factor."""
+        """Return the criterion with its strength divided by a factor."""
         return MaximumShear(self._shear / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """In plane strain the cone of von Mises; planes of T39 and T40 else."""
+        """Return the cone of von Mises in plane strain, else planes of T39 and T40."""
         return planes_form(kinematics, self._shear, 0.0, None, None)

@@ -1,4 +1,4 @@
-"""Planes of stress that criteria are made of, and what their numbers must be (T39, T40)."""
+"""Planes in stress space that form criteria, and checks of their numbers (T39, T40)."""
 
 from collections.abc import Callable
 from math import degrees, pi, radians
@@ -20,9 +20,10 @@ from lacore.reporting.showing import rounded_down
 from lacore.reporting.text import Quantity, text
 
 Slope = float | Floats
-"""Of all elements, or of each."""
-_LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
-_WHOLE = 2e-3  # degrees: what is within this of a whole angle, in radians
+"""Slope for all elements, or for each."""
+# degrees: outside these limits a plane is almost level, or upright
+_LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0
+_WHOLE = 2e-3  # degrees: distance from a whole angle that looks like radians
 
 
 def planes_form(
@@ -33,15 +34,17 @@ def planes_form(
     crushing: Strength | None,
     dilation: Slope | None = None,
 ) -> ConicForm:
-    """Form of ``q <= shear - slope P``, ``sigma_1 <= tension``, ``sigma_3 >= -crushing``.
+    """Return the form of planes of friction and of limits.
+
+    The planes are ``q <= shear - slope P``, ``sigma_1 <= tension`` and ``sigma_3 >= -crushing``.
 
     Args:
         kinematics: one of `lacore.model.materials.conic_form.KINEMATICS`.
         shear: ``c cos(phi)``, Pa; None: no such plane.
-        slope: ``sin(phi)``, of all elements or of each; 0 of all or of none.
-        tension, crushing: Pa; None: none.
-        dilation: ``sin(psi)`` of flow on the planes of friction; None: it is associated. That of
-            the others is (T88).
+        slope: ``sin(phi)``, for all elements or for each; 0 for all or for none.
+        tension, crushing: Pa; None: unlimited.
+        dilation: ``sin(psi)`` of flow on the planes of friction; None: it is associated. Flow on
+            the others always is (T88).
     """
     require_known("Body.kinematics", kinematics, KINEMATICS)
     if kinematics == SPACE:
@@ -72,9 +75,9 @@ def planes_form(
 
 
 def _slopes(around: bool, pressure: Slope, third: Slope) -> tuple[Slope, ...]:
-    """Slopes of a surface along (P, t - P) in axial symmetry, else along P.
+    """Return the slopes of a surface along (P, t - P) in axial symmetry, else along P.
 
-    These are the stresses of (theta, eps_tt): without friction no plane feels the first (T40).
+    These are the stresses of (theta, eps_tt): without friction no plane depends on the first (T40).
     """
     return (pressure + third, third) if around else (pressure,)
 
@@ -82,7 +85,7 @@ def _slopes(around: bool, pressure: Slope, third: Slope) -> tuple[Slope, ...]:
 def _friction_planes(
     kinematics: str, shear: Strengths, slope: Slope, dilation: Slope | None
 ) -> list[Surface]:
-    """Planes of friction between each pair of principal stresses, see `planes_form`."""
+    """Return the planes of friction for each pair of principal stresses, see `planes_form`."""
     around = kinematics == "axisymmetric"
 
     def plane(strength: Strengths, slopes: Callable[[Slope], tuple[Slope, Slope]]) -> Surface:
@@ -105,7 +108,7 @@ def _friction_planes(
 def _limit_planes(
     around: bool, tension: Strength | None, crushing: Strength | None
 ) -> list[Surface]:
-    """Planes that limit the principal stresses in tension and in compression."""
+    """Return the planes that limit the principal stresses in tension and in compression."""
     surfaces: list[Surface] = []
     for limit, sign in ((tension, 1.0), (crushing, -1.0)):
         if limit is None:
@@ -117,7 +120,7 @@ def _limit_planes(
 
 
 def _least(limits: list[Strengths]) -> Strengths:
-    """The scale of what is carried without pressure: what varies, where anything does."""
+    """Return the scale of strength at zero pressure: a varying one if there is any."""
     numbers: list[float | Floats] = []
     for limit in limits:
         if isinstance(limit, Field):
@@ -129,7 +132,7 @@ def _least(limits: list[Strengths]) -> Strengths:
 
 
 def limits_told(tension: Strength | None, crushing: Strength | None) -> list[str]:
-    """Limits of principal stresses in words, those that there are."""
+    """Return texts on the limits of principal stresses that exist."""
     return [
         number_told(name, limit)
         if isinstance(limit, Field)
@@ -180,7 +183,7 @@ def require_angle(field: str, value: float) -> None:
 
 
 def _is_in_radians(value: float, whole: int) -> bool:
-    """Whether a number is a whole angle in radians, with all of its digits or rounded to three."""
+    """Return whether a number is a whole angle in radians, exact or rounded to three digits."""
     rounded = value == round(radians(whole), 3) != round(value, 2)
     return rounded or abs(degrees(value) - whole) < _WHOLE
 
@@ -189,7 +192,7 @@ def require_dilation(kind: str, dilation: float | None, friction: float) -> None
     """Raise `InputError` unless a dilation angle is one from 0 to the friction angle, degrees.
 
     Args:
-        kind: of the criterion, for messages.
+        kind: kind of the criterion, for messages.
         dilation: psi; None: flow is associated.
         friction: phi.
     """

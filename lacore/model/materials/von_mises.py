@@ -1,4 +1,4 @@
-"""The yield criterion of von Mises (T1), perfectly plastic or hardening (T29)."""
+"""Yield criterion of von Mises (T1), perfectly plastic or hardening (T29)."""
 
 from __future__ import annotations
 
@@ -17,16 +17,15 @@ from lacore.reporting.text import Term, text
 
 @dataclass(frozen=True, repr=False)
 class VonMises(Compact):
-    """von Mises material, by its yield stress in shear `k` or in tension ``sqrt(3) k``, in Pa.
+    """Von Mises material, by its yield stress in shear `k` or in tension ``sqrt(3) k``, in Pa.
 
-    Give one of the two, as a number or as it varies from place to place (a `lacore.Field`, a
-    function of coordinates of shape (2, n), or a value for each element), or a law of
-    `lacore.hardening`, of which a limit load takes the initial yield stress. Source: T1, T29;
-    Bousshine & Chaaba 2007, eq. (5).
+    Give one of the two, as a number or varying with place (a `lacore.Field`, a function of
+    coordinates of shape (2, n), or a value for each element), or a law of `lacore.hardening`, whose
+    initial yield stress a limit load uses. Source: T1, T29; Bousshine & Chaaba 2007, eq. (5).
 
     Raises:
-        InputError: none or several given, not a positive finite number, not a law or one that
-            softens.
+        InputError: none or several given, a number that is not positive and finite, an invalid law
+            or one that softens.
 
     Example:
         >>> clay = la.VonMises(shear_strength=20e3)  # Pa: 20 kPa
@@ -88,18 +87,18 @@ class VonMises(Compact):
 
     @property
     def strength(self) -> float:
-        """As `k`; nan where it varies."""
+        """See `k`; NaN if it varies."""
         return nan if isinstance(self.k, Field) else self.k
 
     @property
     def label(self) -> str:
-        """Its strength in shear, Pa."""
+        """Text on its shear strength."""
         first = "" if self.hardening is None else "hardening, at first "
         return text("{}{}", first, number_told("k", self.k))
 
     @property
     def law(self) -> HardeningLaw | None:
-        """Yield stress in tension over the equivalent plastic strain; None where it varies."""
+        """Yield stress in tension over the equivalent plastic strain; None if it varies."""
         if self.hardening is not None:
             return self.hardening
         if isinstance(self.yield_stress, Field) or isinstance(self.shear_strength, Field):
@@ -109,16 +108,16 @@ class VonMises(Compact):
         return Perfect(sqrt(3) * self.k)  # type: ignore[arg-type]  # a number, checked
 
     def weakened(self, factor: float) -> VonMises:
-        """Perfectly plastic, its initial strength divided by a factor."""
+        """Return a perfectly plastic material, with its initial strength divided by a factor."""
         return VonMises(shear_strength=self.k / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Cone of the dissipation (T1).
+        """Return the cone of the dissipation (T1).
 
-        Plane strain ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0; plane stress
-        ``k ||(2 eps_xx + eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume;
-        axisymmetric ``k ||(eps_rr - eps_zz, (eps_rr + eps_zz - 2 eps_tt)/sqrt(3), gamma)||``,
-        theta = 0; in space five rows, theta = 0 (T89).
+        Plane strain: ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0. Plane stress: ``k ||(2 eps_xx +
+        eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume. Axisymmetric: ``k
+        ||(eps_rr - eps_zz, (eps_rr + eps_zz - 2 eps_tt)/sqrt(3), gamma)||``, theta = 0. Three
+        dimensions: five rows, theta = 0 (T89).
         """
         require_known("Body.kinematics", kinematics, KINEMATICS)
         if kinematics == SPACE:

@@ -1,4 +1,4 @@
-"""Meshes: made, read, checked, refined. The names of `la.meshes` are those of `__init__.pyi`."""
+"""Builders, readers, checks and refinement of meshes. `__init__.pyi` lists the names."""
 
 import lazy_loader
 

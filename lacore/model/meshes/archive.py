@@ -1,4 +1,4 @@
-"""Meshes in a file with all that they have: elements in their order, curves, names."""
+"""Meshes in a file with all of their data: elements in their order, curves, names."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ def save(mesh: Mesh, path: str | PathLike[str]) -> None:
 
 @typed()
 def load(path: str | PathLike[str]) -> Any:
-    """A mesh that `save` wrote; nothing of the file is run.
+    """Return a mesh written by `save`; no code of the file is run.
 
     Raises:
-        InputError: no such file, one that `save` did not write.
+        InputError: no such file, or one that `save` did not write.
 
     Example:
         >>> la.meshes.save(la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2), "named.npz")
@@ -70,7 +70,7 @@ def load(path: str | PathLike[str]) -> Any:
         with np.load(place, allow_pickle=False) as archive:
             arrays = dict(archive)
         return _made(arrays)
-    except Exception as error:  # zip, key and value errors: the bytes are none of ours
+    except Exception as error:  # errors of zip, keys and values: the file is not one of ours
         why = f"is no mesh that lacore has saved ({type(error).__name__} {error})"
         raise InputError("path", str(place), why, "write it by lacore.model.meshes.save") from error
 

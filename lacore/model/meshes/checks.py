@@ -1,4 +1,4 @@
-"""Meshes that cannot be right, or that solvers cannot work on, are refused with place and fix."""
+"""Checks that reject invalid or unsolvable meshes with place and fix."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.errors import InputError, require_range, typed
 from lacore.reporting.text import Term, text
 
-_DEGENERATE = 1e-10  # area over squared longest edge; below it gradients lose all their digits
-# Quality below which residuals of exact solves, some 1e-10 on good meshes, come near the 1e-6 that
-# certificates ask for: they grow as 1e-13 / quality.
+# area divided by the squared longest edge, below which gradients lose all their digits
+_DEGENERATE = 1e-10
+# Quality below which residuals of exact solves, about 1e-10 on good meshes, approach the 1e-6 of
+# certificates: they grow as 1e-13 / quality.
 SLIVER = 1e-6
-_ON = 1e-6  # of an edge: nearer to it a vertex lies on the edge; files write 6 digits at least
+_ON = 1e-6  # by an edge: a closer vertex lies on the edge; files have at least 6 digits
 _FACET = {2: "edge", 3: "face"}
-_NO_AREA = 1e-12  # of the squared size: overlaps by the round-off of coordinates
+_NO_AREA = 1e-12  # by the squared size: overlaps by the round-off of coordinates
 
 
 @typed()
 def quality(mesh: MeshTri | MeshQuad | MeshTet) -> Floats:
-    """Shape of elements, shape (elements,): 1 of an equilateral triangle, 0 of one without area.
+    """Return the shape of elements, (elements,): 1 for equilateral triangles, 0 without area.
 
-    ``4 sqrt(3) area / sum of squared edges``; of a quadrilateral the least of its four corners; of
-    tetrahedra see `lacore.model.meshes.solid.shape.shapes`. Upper bounds stay strict whatever it
-    is; below `SLIVER` a body refuses the mesh.
+    It is ``4 sqrt(3) area / sum of squared edges``; for a quadrilateral the smallest of its four
+    corners; for tetrahedra see `lacore.model.meshes.solid.shape.shapes`. Upper bounds are strict
+    for any shape; below `SLIVER` a body rejects the mesh.
 
     Example:
         >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
@@ -49,11 +50,11 @@ def quality(mesh: MeshTri | MeshQuad | MeshTet) -> Floats:
 
 
 def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
-    """Refuse what is no triangulation, or cutting into quadrilaterals, of one connected part.
+    """Reject meshes that are not a valid division of one connected part.
 
     Raises:
         InputError: vertices that are not finite or not used, elements without area, slivers,
-            elements that are not convex, inverted or overlapping, hanging nodes, parts.
+            elements that are not convex, inverted or overlapping, hanging nodes, or several parts.
     """
     if is_curved(mesh):
         check_curved(mesh, field)
@@ -71,14 +72,14 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
 
 
 def check_finite(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
-    """Refuse coordinates that are no numbers, or that cannot be multiplied."""
+    """Reject coordinates that are not finite, or too large to be multiplied."""
     if not np.all(np.isfinite(mesh.doflocs)):
         raise InputError(field, None, "has vertices that are not finite", "fix the coordinates")
     require_range(field, mesh.doflocs, np.ptp(mesh.p, axis=1))
 
 
 def check_used(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
-    """Refuse vertices that no element uses."""
+    """Reject vertices that no element uses."""
     unused = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.t)
     if unused.size:
         raise InputError(
@@ -90,7 +91,7 @@ def check_used(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
 
 
 def check_slivers(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
-    """Refuse elements whose shape is below `SLIVER`."""
+    """Reject elements whose shape is below `SLIVER`."""
     shape = quality(mesh)
     slivers = np.flatnonzero(shape < SLIVER)
     if slivers.size:
@@ -105,7 +106,7 @@ def check_slivers(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
 
 
 def check_connected(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
-    """Refuse parts that no edge of an element, in space no face, joins."""
+    """Reject parts that are not joined by an edge, or by a face in three dimensions."""
     inner = mesh.f2t[:, mesh.f2t[1] >= 0]
     links = coo_matrix((np.ones(inner.shape[1]), inner), shape=(mesh.nelements,) * 2)
     parts, part = connected_components(links, directed=False)
@@ -124,17 +125,17 @@ def check_connected(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
 
 
 def at(place: Floats) -> str:
-    """A place in a message."""
+    """Return a place for a message."""
     return "(" + ", ".join(f"{own:.6g}" for own in place) + ")"
 
 
 def centre(mesh: MeshTri | MeshQuad | MeshTet, element: int) -> str:
-    """That of an element in a message."""
+    """Return the centre of an element for a message."""
     return at(mesh.p[:, mesh.t[:, element]].mean(axis=1))
 
 
 def check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
-    """Refuse inverted elements with midside nodes, and parts; elements may touch or overlap."""
+    """Reject inverted elements with midside nodes, and parts; elements may touch or overlap."""
     check_finite(mesh, field)
     least, size = jacobians(mesh).min(axis=1), np.ptp(mesh.p[:, mesh.t], axis=1).max(axis=0)
     wrong = np.flatnonzero(~(least > SLIVER * size**2))
@@ -199,7 +200,7 @@ def _check_facets(mesh: MeshTri | MeshQuad, field: str) -> None:
 
 
 def _folded_facets(mesh: MeshTri | MeshQuad) -> Ints:
-    """Interior facets whose two elements lie on the same side."""
+    """Return the interior facets whose two elements lie on the same side."""
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     start, end = mesh.p[:, mesh.facets[0, inner]], mesh.p[:, mesh.facets[1, inner]]
 
@@ -211,7 +212,7 @@ def _folded_facets(mesh: MeshTri | MeshQuad) -> Ints:
 
 
 def check_hanging(mesh: MeshTri | MeshQuad, field: str) -> None:
-    """No vertex inside the edge of an element that does not have it; both are on the boundary."""
+    """Reject vertices inside the edge of another element; both are on the boundary."""
     facets = mesh.boundary_facets()
     vertices = np.unique(mesh.facets[:, facets])
     start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
@@ -235,13 +236,13 @@ def check_hanging(mesh: MeshTri | MeshQuad, field: str) -> None:
 
 
 def _check_overlaps(mesh: MeshTri | MeshQuad, field: str) -> None:
-    """No place in two elements.
+    """Reject places in two elements.
 
-    Where no element is folded over its neighbour, their number is constant on each face of the
-    plane that boundary edges enclose.
+    If no element is folded over its neighbour, the number of elements at a place is constant on
+    each face of the plane that boundary edges enclose.
     """
     origin, size = mesh.p.min(axis=1), float(np.max(np.ptp(mesh.p, axis=1)))
-    # Rounded: the geometry library overflows on coordinates like 1e-313.
+    # Rounded, since the geometry library overflows on coordinates like 1e-313.
     scaled = np.round((mesh.p.T - origin) / size, 13)
     lines = shapely.linestrings(scaled[mesh.facets[:, mesh.boundary_facets()].T])
     faces = shapely.get_parts(shapely.polygonize([shapely.union_all(lines)]))
@@ -259,19 +260,22 @@ def _check_overlaps(mesh: MeshTri | MeshQuad, field: str) -> None:
 
 
 def _around(mesh: MeshTri | MeshQuad) -> tuple[Floats, Floats, Floats]:
-    """Corners of elements, those before and those after them: (2, corners, elements) each."""
+    """Return the corners of elements, those before and those after them.
+
+    (2, corners, elements) each.
+    """
     corner = mesh.p[:, mesh.t]
     return corner, np.roll(corner, 1, axis=1), np.roll(corner, -1, axis=1)
 
 
 def _turn(mesh: MeshTri | MeshQuad) -> Floats:
-    """Twice the area of the triangle at each corner, anticlockwise positive."""
+    """Return twice the area of the triangle at each corner, anticlockwise positive."""
     corner, before, after = _around(mesh)
     return _cross(corner - before, after - corner)
 
 
 def _inside(mesh: MeshTri | MeshQuad, place: Floats) -> Bools:
-    """Elements that have a place inside."""
+    """Return the elements that contain a place."""
     corner, _, after = _around(mesh)
     side = _cross(after - corner, place[:, None, None] - corner)
     return np.asarray(np.all(side > 0, axis=0) | np.all(side < 0, axis=0))

@@ -1,4 +1,4 @@
-"""Isoparametric meshes: edges and elements that are curved, quadratic in their parameters (T31)."""
+"""Isoparametric meshes: curved edges and elements, quadratic in their parameters (T31)."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from lacore.reporting.errors import InputError, typed
 from lacore.reporting.showing import Compact
 
 _SHARES = np.linspace(0.0, 1.0, 4)
-_DRAWN = 7  # points of a curved edge in pictures
+_DRAWN = 7  # number of points of a curved edge in pictures
 
 
 def is_curved(mesh: Mesh) -> bool:
-    """Whether a mesh has midside nodes, which may lie off the middle of straight edges."""
+    """Return whether a mesh has midside nodes, which may lie off the middle of straight edges."""
     return isinstance(mesh, MeshTri2 | MeshQuad2)
 
 
@@ -27,18 +27,19 @@ def is_curved(mesh: Mesh) -> bool:
 def isoparametric(
     mesh: MeshTri | MeshQuad, onto: Callable[[Floats], Floats] | None = None
 ) -> MeshTri2 | MeshQuad2:
-    """The mesh with midside nodes, for curved boundaries; boundaries keep their names.
+    """Return the mesh with midside nodes, for curved boundaries; names are kept.
 
-    Of a rectangle of radii and angles a ring with round cells::
+    A rectangle of radii and angles becomes a ring with round cells::
 
         isoparametric(rectangle((a, b), (0, pi / 2), 4, 8), lambda x: x[0] * [cos(x[1]), sin(x[1])])
 
     Args:
         mesh: straight triangles or quadrilaterals.
-        onto: where nodes at coordinates (2, n) go, shape (2, n); None: they stay.
+        onto: function from node coordinates (2, n) to their new places, shape (2, n); None: no
+            change.
 
     Raises:
-        InputError: another mesh, a function that does not return one place a node.
+        InputError: another mesh, or a function that does not return one place per node.
 
     Example:
         >>> ring = la.meshes.quarter_ring(inner=1.0, outer=2.0, n_radial=2, n_angular=6)
@@ -68,7 +69,7 @@ def isoparametric(
 
 
 def vertices(mesh: Mesh) -> Floats:
-    """Vertices of a mesh, without its midside nodes, shape (2, n)."""
+    """Return the vertices of a mesh, without its midside nodes, shape (2, n)."""
     return np.asarray(mesh.p[:, : mesh.nvertices])
 
 
@@ -82,51 +83,52 @@ class EdgeCurves(Compact):
 
     @property
     def bulge(self) -> Floats:
-        """From the middle of the chord to that of the curve, shape (2, k): 0 where straight."""
+        """Vector from the middle of the chord to that of the curve, (2, k): 0 if straight."""
         return self.middle - (self.start + self.end) / 2
 
     def at(self, s: Floats | float) -> Floats:
-        """Places at parameters of shape (k,), or one for all, shape (2, k)."""
+        """Return the places at parameters of shape (k,), or one for all, shape (2, k)."""
         return np.asarray((1 - s) * self.start + s * self.end + 4 * s * (1 - s) * self.bulge)
 
     def tangent(self, s: Floats | float) -> Floats:
-        """Derivatives of the places by the parameter, m, shape (2, k)."""
+        """Return the derivatives of the places by the parameter, m, shape (2, k)."""
         return np.asarray(self.end - self.start + 4 * (1 - 2 * s) * self.bulge)
 
     def normal(self, s: Floats | float, side: Floats) -> Floats:
-        """Unit normals, shape (2, k), on the side of vectors of that shape."""
+        """Return the unit normals, shape (2, k), on the side of vectors of that shape."""
         along = self.tangent(s)
         across = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
         return np.asarray(across * np.sign(np.sum(across * side, axis=0)))
 
     def parameter(self, points: Floats) -> Floats:
-        """Parameters of the places that lie across the chord from points (2, k), shape (k,)."""
+        """Return the parameters of the places across the chord from points (2, k), shape (k,)."""
         chord = self.end - self.start
         squared = np.sum(chord**2, axis=0)
         share = np.sum((points - self.start) * chord, axis=0) / squared
         a = -4 * np.sum(self.bulge * chord, axis=0) / squared
-        # share = (1 - a) s + a s^2, which grows along an edge that is not folded.
+        # share = (1 - a) s + a s^2, which increases along an edge that is not folded.
         root = np.sqrt(np.maximum((1 - a) ** 2 + 4 * a * share, 0.0))
         return np.asarray(2 * share / (1 - a + root))
 
     def between(self, first: Floats, last: Floats) -> EdgeCurves:
-        """The parts between two parameters, shape (k,) each."""
+        """Return the parts between two parameters, shape (k,) each."""
         return EdgeCurves(self.at(first), self.at((first + last) / 2), self.at(last))
 
 
 def edge_lines(mesh: Mesh, facets: Ints) -> list[Floats]:
-    """Edges as polylines, each of shape (points, 2): two points where all edges are straight."""
+    """Return edges as polylines (points, 2), with two points if all edges are straight."""
     curves = edge_curves(mesh, facets)
     shares = np.linspace(0.0, 1.0, _DRAWN if is_curved(mesh) else 2)
     return list(np.stack([curves.at(s) for s in shares]).transpose(2, 0, 1))
 
 
 def outlines(mesh: Mesh) -> Floats:
-    """Polygons around elements, shape (elements, points, 2)."""
+    """Return the polygons around elements, shape (elements, points, 2)."""
     corners = len(mesh.t)
     shares = np.linspace(0.0, 1.0, _DRAWN if is_curved(mesh) else 2)[:-1]
     sides = []
-    for number in range(corners):  # in turn: scikit-fem has the last edge from 0 to the last corner
+    # In order: the last edge of scikit-fem is from 0 to the last corner.
+    for number in range(corners):
         start, end = mesh.t[number], mesh.t[(number + 1) % corners]
         curves = edge_curves(mesh, mesh.t2f[number].astype(np.int64))
         own = EdgeCurves(mesh.p[:, start], curves.middle, mesh.p[:, end])
@@ -135,25 +137,26 @@ def outlines(mesh: Mesh) -> Floats:
 
 
 def edge_curves(mesh: Mesh, facets: Ints) -> EdgeCurves:
-    """Edges of a mesh; straight ones have their middle at s = 1/2."""
+    """Return the edges of a mesh; straight ones have their middle at s = 1/2."""
     start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
     middle = mesh.p[:, mesh.nvertices + facets] if is_curved(mesh) else (start + end) / 2
     return EdgeCurves(start, middle, end)
 
 
 def jacobians(mesh: Mesh) -> Floats:
-    """Bernstein coefficients of det J of curved elements, shape (elements, coefficients), m^2.
+    """Return Bernstein coefficients of det J of curved elements, (elements, coefficients), m^2.
 
-    det J lies between their least and their largest: an element whose coefficients are all
-    positive is not inverted anywhere (T31). Of either orientation the larger part is positive.
+    det J lies between their smallest and largest: an element with positive coefficients is not
+    inverted anywhere (T31). The orientation of the larger part of elements is positive.
     """
     values = signed_jacobians(mesh)
     return np.asarray(values * np.sign(values.sum(axis=1, keepdims=True)))
 
 
 def signed_jacobians(mesh: Mesh) -> Floats:
-    """As `jacobians`, positive where an element turns anticlockwise from node to node."""
-    if len(mesh.t) == 3:  # quadratic: vertices, and by a, b and the middle m of them 2 m - (a+b)/2
+    """Return `jacobians` that are positive for anticlockwise elements."""
+    # quadratic: vertices, and 2 m - (a+b)/2 from vertices a, b and the midside node m
+    if len(mesh.t) == 3:
         places = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
         change = np.eye(6)
         for row, (a, b) in enumerate([(0, 1), (1, 2), (2, 0)], start=3):
@@ -167,7 +170,7 @@ def signed_jacobians(mesh: Mesh) -> Floats:
 
 
 def subdivided(mesh: Mesh) -> MeshTri:
-    """Straight triangles between vertices, midside nodes and centres of a curved mesh."""
+    """Return straight triangles between vertices, midside nodes and centres of a curved mesh."""
     nodes = mesh.dofs.element_dofs
     if len(mesh.t) == 3:
         parts = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
@@ -178,12 +181,12 @@ def subdivided(mesh: Mesh) -> MeshTri:
 
 
 class OnFacets(MappingIsoparametric):  # type: ignore[misc]
-    """Of facets alone, whose reference coordinates are known.
+    """Mapping of facets with known reference coordinates.
 
-    scikit-fem iterates for them, to another place or to none where an element is much distorted.
+    scikit-fem would iterate for them, and find a wrong place or none in distorted elements.
 
     Args:
-        mesh: of triangles or quadrilaterals.
+        mesh: mesh of triangles or quadrilaterals.
         facets: numbers, (f,).
         along: parameters along them, from the first vertex to the second, (1, q).
     """
@@ -198,5 +201,5 @@ class OnFacets(MappingIsoparametric):  # type: ignore[misc]
         self._places: Floats = begin + (end - begin) * along
 
     def invF(self, x: Floats, tind: Ints | None = None) -> Floats:  # noqa: N802, their name
-        """Reference coordinates of points of the facets, (2, f, q)."""
+        """Return the reference coordinates of points of the facets, (2, f, q)."""
         return self._places

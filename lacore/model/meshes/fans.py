@@ -1,4 +1,4 @@
-"""Fans: elements that turn around a point, as lower bounds need at singular ones (T26b)."""
+"""Fans: elements around a point, as lower bounds need at singular points (T26b)."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from lacore.model.meshes.structured import graded, named_sides
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError
 
-_STRAIGHT = 1e-6  # rad: round-off of angles
-_SHRINK = (0.55, 0.7)  # radius of a ring of a fan, per next larger one: elements about as long as
-_LATER = 0.8  # wide, while sectors are halved from ring to ring
+_STRAIGHT = 1e-6  # rad, round-off of angles
+# radius of a ring of a fan by the next larger one, for elements about as long as wide
+_SHRINK = (0.55, 0.7)
+_LATER = 0.8  # radius while sectors are halved from ring to ring
 
 
 def fan(
@@ -28,23 +29,24 @@ def fan(
     grade: float | None = None,
     crossed: bool = True,
 ) -> MeshTri:
-    """Triangle mesh of a rectangle that turns around a point; boundaries as in `rectangle`.
+    """Return a triangle mesh of a rectangle around a point; boundaries as in `rectangle`.
 
-    Where a stress fan ends in a point, a lower bound needs many elements there, and refinement
-    does not halve their angles: with n sectors in the 90 degrees of a footing's fan it stays at
-    about ``(2 + 2 n sin(pi/(2 n)))/(2 + pi)`` of the load.
+    Where a stress fan ends in a point, a lower bound needs many elements there, and refinement does
+    not halve their angles: with n sectors in the 90 degrees of a footing's fan it remains at about
+    ``(2 + 2 n sin(pi/(2 n)))/(2 + pi)`` of the load.
 
     Args:
         x, y: extents.
-        at: the point: inside, on a side or at a corner.
-        sectors: in 180 degrees, an even number; equal at the point, where rays are straight. The
+        at: the point, inside, on a side or at a corner.
+        sectors: even number of sectors in 180 degrees; equal at the point, where rays are straight.
+            The
             ray next to a corner of the rectangle bends towards it.
-        rings: of cells around the point; those of the first one are triangles.
+        rings: number of rings of cells around the point; those of the first one are triangles.
         grade: ratio of the outermost cell to the innermost; None: cells as long as wide.
         crossed: see `rectangle`.
 
     Raises:
-        InputError: see `graded`; a point outside, sectors that are too few for the corners.
+        InputError: see `graded`; a point outside, or too few sectors for the corners.
 
     Example:
         >>> mesh = la.meshes.fan(x=(0, 2), y=(-1, 0), at=(1, 0), sectors=6, rings=3)
@@ -82,9 +84,10 @@ def fan(
 
 
 def _rays(box: Floats, at: Floats, sectors: int) -> tuple[Floats, Floats, bool]:
-    """Where rays from a point meet the sides of a box, and where they end; whether they close.
+    """Return where rays from a point meet the sides of a box, their ends, and if they close.
 
-    Two arrays of shape (2, rays): the second has the corners of the box in place of the nearest.
+    Both arrays have the shape (2, rays): the second has the corners of the box in place of the
+    nearest points.
     """
     low, high = at == box[:, 0], at == box[:, 1]
     on = int(np.sum(low | high))
@@ -118,19 +121,19 @@ def _rays(box: Floats, at: Floats, sectors: int) -> tuple[Floats, Floats, bool]:
 
 
 def _crossing(a: Floats, c: Floats, b: Floats, d: Floats) -> Floats:
-    """Where the diagonals a-c and b-d of quadrilaterals cross, shape (2, n)."""
+    """Return where the diagonals a-c and b-d of quadrilaterals cross, shape (2, n)."""
     u, v, w = c - a, d - b, b - a
     share = (w[0] * v[1] - w[1] * v[0]) / (u[0] * v[1] - u[1] * v[0])
     return np.asarray(a + share * u)
 
 
 def fanned(mesh: MeshTri, vertices: Sequence[int], sectors: int) -> MeshTri:
-    """The mesh with the elements at vertices divided into fans; all names are kept.
+    """Return the mesh with the elements at vertices divided into fans; all names are kept.
 
     Args:
-        mesh: any; vertices keep their numbers.
-        vertices: to turn around, one after the other.
-        sectors: in 180 degrees, at least; an element gets a power of 2 of them.
+        mesh: any mesh; vertices keep their numbers.
+        vertices: centres of the fans, in turn.
+        sectors: smallest number in 180 degrees; an element gets a power of 2 of them.
     """
     for vertex in vertices:
         mesh = _fan(mesh, vertex, sectors)
@@ -141,7 +144,7 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
     around = np.flatnonzero(np.any(mesh.t == centre, axis=0))
     corners = np.array([_spokes(mesh, element, centre) for element in around.tolist()])
     place = mesh.p[:, centre]
-    spokes = mesh.p[:, corners] - place[:, None, None]  # (2, elements, 2)
+    spokes = mesh.p[:, corners] - place[:, None, None]  # shape (2, elements, 2)
     one, other = spokes[..., 0], spokes[..., 1]
     angle = np.arctan2(one[0] * other[1] - one[1] * other[0], np.sum(one * other, axis=0))
     rings = ceil(log2(max(float(angle.max()) * sectors / pi, 1.0)) - _STRAIGHT)
@@ -171,7 +174,7 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
         triangles += [(centre, a, b) for a, b in pairwise(last)]
         parts.append(len(triangles) - sum(parts))
     if _turn(np.transpose(points)[:, np.transpose(triangles)]).min() <= 0:
-        return mesh  # elements too flat to be turned around
+        return mesh  # The elements are too flat for a fan.
     finer = MeshTri(
         np.ascontiguousarray(np.transpose(points)),
         np.ascontiguousarray(
@@ -195,20 +198,23 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
 
 
 def _spokes(mesh: MeshTri, element: int, centre: int) -> list[int]:
-    """The other two vertices, anticlockwise."""
+    """Return the other two vertices, anticlockwise."""
     a, b = (vertex for vertex in mesh.t[:, element].tolist() if vertex != centre)
     one, other = mesh.p[:, a] - mesh.p[:, centre], mesh.p[:, b] - mesh.p[:, centre]
     return [a, b] if one[0] * other[1] - one[1] * other[0] > 0 else [b, a]
 
 
 def _turn(corner: Floats) -> Floats:
-    """Twice the signed area of triangles, corners of shape (2, 3, n)."""
+    """Return twice the signed area of triangles, corners of shape (2, 3, n)."""
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     return np.asarray(u[0] * v[1] - u[1] * v[0])
 
 
 def _arc(one: Floats, other: Floats, angle: float, parts: int, round_: float) -> Floats:
-    """Points between two spokes at equal angles: on their chord (0) to an arc (1), (2, parts-1)."""
+    """Return points between two spokes at equal angles, (2, parts-1).
+
+    They lie on the chord for 0 and on an arc for 1.
+    """
     share = np.arange(1, parts) / parts
     turn = angle * share
     near, far = float(np.linalg.norm(one)), float(np.linalg.norm(other))

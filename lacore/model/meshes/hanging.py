@@ -1,4 +1,4 @@
-"""Vertices on the edges of elements, which are divided there: so that two meshes match."""
+"""Division of elements at vertices on their edges, so that two meshes match."""
 
 from itertools import pairwise
 
@@ -12,15 +12,16 @@ Ends = tuple[int, int]
 
 
 def with_vertices(mesh: MeshTri, facets: Ints, places: Floats) -> MeshTri:
-    """The mesh with vertices on boundary edges, where elements are divided into fans, and in three.
+    """Return the mesh with vertices on boundary edges, where elements are divided.
 
-    Where two elements only meet at a vertex of a straight edge, stresses that are linear in both
-    link the tractions on either side of it (`lacore.bounds.static_corners`); of four they do not.
+    They are divided into fans, and in three. If only two elements meet at a vertex of a straight
+    edge, stresses that are linear in both link the tractions on either side of it
+    (`lacore.bounds.static_corners`); with four elements they do not.
 
     Args:
-        mesh: straight triangles.
-        facets: the edge of each vertex, shape (k,).
-        places: inside them, shape (2, k).
+        mesh: mesh of straight triangles.
+        facets: edge of each vertex, shape (k,).
+        places: places inside them, shape (2, k).
     """
     start, end = (mesh.p[:, own] for own in mesh.facets[:, facets])
     along = end - start
@@ -58,7 +59,7 @@ def with_vertices(mesh: MeshTri, facets: Ints, places: Floats) -> MeshTri:
 
 
 def _divided(corners: tuple[int, ...], chains: dict[Ends, list[int]]) -> list[list[int]]:
-    """Triangles in place of one whose edges have vertices inside, edge by edge."""
+    """Return the triangles that replace one with vertices inside its edges, edge by edge."""
     parts = [list(corners)]
     for (a, b), chain in chains.items():
         for number, part in enumerate(parts):

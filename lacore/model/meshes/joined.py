@@ -1,4 +1,4 @@
-"""Several meshes as one, glued along edges that match: refined together, and told apart again."""
+"""Several meshes as one, joined along matching edges: refined together, and split again."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,16 +12,17 @@ from lacore.model.meshes.refinement import facets_between
 from lacore.numerics.arrays import Ints
 from lacore.reporting.showing import Compact
 
-_OF = "\x1f"  # between the name of a mesh and that of a part of it: no name has it
+# separator between the name of a mesh and that of a part of it, which no name contains
+_OF = "\x1f"
 
 
 @dataclass(frozen=True, repr=False)
 class Glued(Compact):
-    """Vertices of two meshes that are one.
+    """Vertices that two meshes share.
 
     Attributes:
         first, second: names of the meshes.
-        vertices: of the first, and of the second, shape (2, k).
+        vertices: vertices of the first and of the second, shape (2, k).
     """
 
     first: str
@@ -34,7 +35,7 @@ class Joined(Compact):
     """Meshes as one.
 
     Attributes:
-        mesh: all elements, mesh after mesh; parts of meshes by their names.
+        mesh: all elements, mesh by mesh; parts of meshes by name.
         vertices: numbers of the vertices of each mesh.
     """
 
@@ -43,7 +44,7 @@ class Joined(Compact):
 
 
 def joined(meshes: Mapping[str, MeshTri], glue: Sequence[Glued]) -> Joined:
-    """Meshes as one; a single one is itself."""
+    """Return the meshes as one; a single one is returned unchanged."""
     if len(meshes) == 1:
         ((name, mesh),) = meshes.items()
         return Joined(mesh, {name: np.arange(mesh.p.shape[1])})
@@ -57,7 +58,7 @@ def joined(meshes: Mapping[str, MeshTri], glue: Sequence[Glued]) -> Joined:
     graph = csr_matrix((np.ones(one.size), (one, other)), shape=(total, total))
     _, group = connected_components(graph, directed=False)
     _, leader, number = np.unique(group, return_index=True, return_inverse=True)
-    order = np.argsort(leader, kind="stable")  # vertices in the order in which they are met first
+    order = np.argsort(leader, kind="stable")  # vertices in the order of their first use
     place = np.empty(order.size, dtype=np.int64)
     place[order] = np.arange(order.size)
     number = place[number.ravel()]
@@ -85,14 +86,14 @@ def joined(meshes: Mapping[str, MeshTri], glue: Sequence[Glued]) -> Joined:
 
 
 def parted(mesh: MeshTri, names: Sequence[str]) -> dict[str, MeshTri]:
-    """The meshes that were joined, by their names, from what became of the whole."""
+    """Return the joined meshes by name, from the refined whole."""
     if len(names) == 1:
         return {names[0]: mesh}
     return {name: _part(mesh, name) for name in names}
 
 
 def elements_of(mesh: MeshTri, name: str, single: bool) -> Ints:
-    """Numbers of the elements of one of the meshes that were joined."""
+    """Return the numbers of the elements of one of the joined meshes."""
     if single:
         return np.arange(mesh.nelements)
     assert mesh.subdomains is not None

@@ -1,4 +1,4 @@
-"""Meshes whose edges follow layers, and whose elements are named by them."""
+"""Meshes whose edges follow layers, with elements named by layer."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ def layered(
     crossed: bool = True,
     grade_x: tuple[float, float] | None = None,
 ) -> MeshTri:
-    """Triangle mesh of a rectangle of level layers, which are its regions (``mesh.subdomains``).
+    """Return a triangle mesh of level layers, which are its regions (``mesh.subdomains``).
 
     Args:
         x: extent.
-        layers: from where to where in y, by name: ``{"fill": (-1, 0), "clay": (-4, -1)}``, in any
-            order, one on the other.
-        nx: cells across.
-        ny: cells in all of the height; each layer has those of its share, one at least.
+        layers: extent in y by name: ``{"fill": (-1, 0), "clay": (-4, -1)}``, in any order, without
+            gaps.
+        nx: number of cells in x.
+        ny: number of cells in the total height; each layer has its share, at least one.
         crossed, grade_x: see `lacore.model.meshes.rectangle`; its names of boundaries.
 
     Raises:
-        InputError: layers that are no intervals, overlap, or leave gaps; see `graded`.
+        InputError: layers that are not intervals, overlap, or leave gaps; see `graded`.
 
     Example:
         >>> ground = la.meshes.layered((0, 4), {"clay": (-2, -1), "sand": (-1, 0)}, nx=8, ny=4)

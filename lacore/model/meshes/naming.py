@@ -1,4 +1,4 @@
-"""Names for parts of a mesh, by places."""
+"""Names for parts of a mesh by place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lacore.reporting.errors import InputError, typed
 from lacore.reporting.showing import spanned
 from lacore.reporting.text import Quantity, text
 
-_INNER = 1 - 1e-6  # of the way from the middle of an element to its corners
+_INNER = 1 - 1e-6  # share of the way from the middle of an element to its corners
 
 
 Places = Callable[[Floats], Bools]
@@ -31,13 +31,14 @@ def named(
     boundaries: Mapping[str, Places] | None = None,
     regions: Mapping[str, Places] | None = None,
 ) -> Any:
-    """The mesh with names for parts of its boundary and for regions, beside those that it has.
+    """Return the mesh with additional names for parts of its boundary and for regions.
 
     Args:
-        mesh: any of scikit-fem.
-        boundaries: by name a function of coordinates (2, n), in space (3, n), that says which
-            places belong to it, such as `lacore.Within`; whole edges, or faces, do.
-        regions: the same of elements, for `lacore.Body`: whole ones do.
+        mesh: any mesh of scikit-fem.
+        boundaries: by name, a function of coordinates (2, n), in three dimensions (3, n), that
+            returns which places belong to it, such as `lacore.Within`; it selects whole edges or
+            faces.
+        regions: the same for elements, for `lacore.Body`.
 
     Raises:
         InputError: no edge, face or element, or a place that ends inside of one; it names the part.
@@ -85,13 +86,13 @@ _SELECTED: Mapping[int, tuple[Callable[[Any, Places, str], Ints], str]] = {
     2: (_selected_edges, "edge"),
     3: (selected_faces, "face"),
 }
-"""By dimension what finds the facets of a part, and what they are called."""
+"""By dimension, the function that finds the facets of a part, and their name."""
 
 
 def _elements(mesh: Any, regions: Mapping[str, Places]) -> dict[str, Ints]:
     found = {}
-    corner = mesh.p[:, mesh.t]  # (d, corners, elements)
-    # Inside of elements: their corners may lie on a line that another region begins at.
+    corner = mesh.p[:, mesh.t]  # shape (d, corners, elements)
+    # Inside of elements, as their corners may lie on a line where another region begins.
     middle = corner.mean(axis=1, keepdims=True)
     samples = np.concatenate([middle, middle + _INNER * (corner - middle)], axis=1)
     for name, where in regions.items():

@@ -1,4 +1,4 @@
-"""Meshes of several quadrangles side by side: slopes, walls with openings, layers."""
+"""Meshes of several adjacent quadrangles: slopes, walls with openings, layers."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, is_plane_vector, require_place
 from lacore.reporting.showing import Compact
 
-_SAME = 1e-9  # of the size: what bilinear maps of one side from two sides agree to
+_SAME = 1e-9  # by the size: difference of the bilinear maps of a side from its two patches
 Grade = tuple[float, float]
 
 
 @dataclass(frozen=True, repr=False)
 class Patch(Compact):
-    """A quadrangle, cut into cells.
+    """Quadrangle divided into cells.
 
     Attributes:
-        corners: four, anticlockwise, convex, m.
-        nx: cells along the first side, from the first corner to the second, and the third.
-        ny: along the other two.
-        grade_x, grade_y: ``(at, ratio)`` as of `lacore.model.meshes.graded`, `at` as a share of the
-            side, from the first corner.
-        name: of its elements as a subdomain; empty for none.
+        corners: four corners, anticlockwise, convex, m.
+        nx: number of cells along the first side, between the first two corners, and the third.
+        ny: number of cells along the other two sides.
+        grade_x, grade_y: ``(at, ratio)`` see `lacore.model.meshes.graded`, with `at` as a share of
+            the side from the first corner.
+        name: name of its elements as a subdomain; may be empty.
 
     Raises:
-        InputError: corners that are no convex quadrangle, anticlockwise.
+        InputError: corners that are not a convex quadrangle, anticlockwise.
 
     Example:
         >>> skew = la.meshes.Patch([(0, 0), (2, 0), (3, 1), (1, 1)], nx=4, ny=2)
@@ -67,7 +67,7 @@ class Patch(Compact):
             )
 
     def mesh(self, crossed: bool) -> MeshTri:
-        """Its triangles."""
+        """Return its triangles."""
         cells = rectangle((0.0, 1.0), (0.0, 1.0), self.nx, self.ny, crossed, self.grade_x,
                           self.grade_y)  # fmt: skip
         s, t = cells.p
@@ -76,18 +76,18 @@ class Patch(Compact):
 
 
 def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
-    """Triangle mesh of quadrangles that share whole sides, with as many cells on both.
+    """Return a triangle mesh of quadrangles that share whole sides with equal cells.
 
-    Boundaries `left`, `right`, `bottom`, `top` are the edges on the sides of the bounding box, as
-    far as there are any; subdomains have the names of the parts.
+    Boundaries `left`, `right`, `bottom`, `top` are the edges on the sides of the bounding box, if
+    there are any; subdomains have the names of the parts.
 
     Args:
-        parts: in any order.
+        parts: quadrangles in any order.
         crossed: see `lacore.model.meshes.rectangle`.
 
     Raises:
-        InputError: no part, sides that touch with other cells. What else does not fit together is
-            refused by the body that is made of it.
+        InputError: no part, or sides that touch with other cells. The body rejects other
+            mismatches.
 
     Example:
         >>> left = la.meshes.Patch([(0, 0), (1, 0), (1, 1), (0, 1)], nx=2, ny=2)

@@ -1,4 +1,4 @@
-"""Whether straight edges replace a curved outline: what a mesh says of it, or its shape shows."""
+"""Test whether straight edges replace a curved outline, by a label or the shape of a mesh."""
 
 from typing import Any
 
@@ -11,21 +11,21 @@ from lacore.numerics.arrays import Bools, Ints
 
 _LABEL = "_lacore_geometry"
 _STRAIGHT = 4.5e-5  # rad: edges on one line, up to coordinates of nine digits
-_SMALL = np.radians(61.0)  # a corner that is meant turns by more, if there are several in a row
-_IN_A_ROW = 3  # the crest of a dam has two
+_SMALL = np.radians(61.0)  # An intended corner turns by more, if there are several in a row.
+_IN_A_ROW = 3  # The crest of a dam has two.
 
 
 def labelled(mesh: Any, geometry: str) -> Any:
-    """A mesh whose maker knows what its outline is, see `Body.geometry`.
+    """Return a mesh with a label on its outline, see `Body.geometry`.
 
-    The label is lost where scikit-fem makes another mesh of it; its shape still tells.
+    The label is lost if scikit-fem makes another mesh of it; the shape can still be tested.
     """
     object.__setattr__(mesh, _LABEL, geometry)
     return mesh
 
 
 def label_of(mesh: Any) -> str | None:
-    """What the maker of a mesh says that its outline is; None where nobody does."""
+    """Return the label of the outline of a mesh; None without one."""
     label: str | None = getattr(mesh, _LABEL, None)
     return label
 
@@ -37,11 +37,11 @@ def geometry_of(mesh: Any) -> str:
 
 
 def looks_curved(mesh: Any) -> bool:
-    """Whether the outline of a mesh of straight edges looks like a polygon in place of an arc.
+    """Return whether the outline of a straight-edged mesh looks like a polygon in place of an arc.
 
-    It turns by small angles to the same side at three corners in a row; sides may be cut into
-    several edges. A polygon that is meant can look the same (an octagon), and an arc of three
-    chords does not.
+    It turns by small angles to the same side at three corners in a row; sides may be divided into
+    several edges. An intended polygon can look the same (an octagon), and an arc of three chords
+    does not.
     """
     following, turn = _turns(mesh)
     straight = np.abs(turn) <= _STRAIGHT
@@ -49,7 +49,7 @@ def looks_curved(mesh: Any) -> bool:
     edges = np.flatnonzero(straight)
     graph = coo_matrix((np.ones(edges.size), (edges, following[edges])), shape=(count, count))
     side = connected_components(graph, directed=False)[1]
-    last = np.full(count, -1)  # of each side the edge that ends at its corner
+    last = np.full(count, -1)  # for each side the edge that ends at its corner
     corners = np.flatnonzero(~straight)
     last[side[corners]] = corners
     after = last[side[following]]
@@ -71,7 +71,7 @@ def _in_a_row(corners: Ints, after: Ints, small: Bools) -> bool:
 
 
 def _turns(mesh: Any) -> tuple[Ints, Any]:
-    """Of the boundary edges the one that follows each, body on the left, and the angle to it."""
+    """Return the next boundary edge of each, with the body on the left, and the angle to it."""
     facets = mesh.boundary_facets()
     places, ends = mesh.p, np.asarray(mesh.facets[:, facets], dtype=np.int64)
     inside = places[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)

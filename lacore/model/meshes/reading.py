@@ -16,7 +16,7 @@ from skfem import MeshTet, MeshTri
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, is_number, require_range, suggest_all, typed
 
-_FLAT = 1e-9  # of a length: what counts as plane or straight in files with 16 digits
+_FLAT = 1e-9  # by a length: deviation from a plane or line in files with 16 digits
 _CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "tetra": 4, "tetra10": 4}
 _MADE = {2: MeshTri, 3: MeshTet}
 # Ends of edges, in the order in which midside nodes follow the vertices.
@@ -35,28 +35,28 @@ _FIRST_ORDER = "save a mesh of first order (of gmsh: Mesh.ElementOrder = 1)"
 def read(
     path: str | PathLike[str], surface: str | None = None, merge: float = 1e-9
 ) -> MeshTri | MeshTet:
-    """Triangle mesh from a file: .msh of gmsh, version 2.2 or 4.1, and whatever meshio reads.
+    """Read a mesh from a file: .msh of gmsh, version 2.2 or 4.1, or any format of meshio.
 
-    Of a file with tetrahedra these: what is said of lines, triangles and surfaces is true of
-    triangles, tetrahedra and volumes there.
+    Tetrahedra are read if there are any; the following rules for lines, triangles and surfaces then
+    apply to triangles, tetrahedra and volumes.
 
     Physical groups of lines (sets of line elements) become named boundaries, those of surfaces
     named subdomains; groups without a name are left out. Nodes that no triangle uses are dropped,
-    and so is a z that is constant. A mesh of second order is reduced to its vertices where its
-    edges are straight, and refused where one is curved. Of a mesh of first order nobody can tell:
-    where its outline looks like a polygon in place of a curve, a `Body` takes it for one; say
-    ``Body(geometry="exact")`` of a polygon that is meant, ``"approximated"`` of other curves.
+    and so is a constant z. A mesh of second order is reduced to its vertices if its edges are
+    straight, and rejected if one is curved. For a mesh of first order this is unknown: if its
+    outline looks like a polygon in place of a curve, a `Body` assumes so; use
+    ``Body(geometry="exact")`` for an intended polygon, ``"approximated"`` for other curves.
 
     Args:
-        path: of the file; the ending says the format.
-        surface: the group whose triangles to take; None: all of the file.
-        merge: nodes nearer than this share of the mesh's size are one node; 0 keeps the two sides
-            of a crack apart, and coincident nodes with them.
+        path: path of the file; the ending determines the format.
+        surface: group of the triangles to read; None: all of the file.
+        merge: nodes closer than this share of the mesh's size are merged; 0 keeps the two sides of
+            a crack apart, and other coincident nodes as well.
 
     Raises:
-        InputError: a file that cannot be read, that holds no triangles or other elements of
-            surfaces and volumes, that is not plane or has curved edges; a line that is no edge of
-            a triangle; an unknown surface.
+        InputError: a file that cannot be read, without triangles or with other elements of surfaces
+            and volumes, that is not plane or has curved edges; a line that is not an edge of a
+            triangle; an unknown surface.
 
     Example:
         >>> la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2).save("rectangle.msh")  # or of gmsh
@@ -83,13 +83,13 @@ def read(
             f"a {_NAMES[dimension][2]} at {place} has two vertices in one place",
             "remove it, or give a smaller `merge`",
         )
-    # Formats that know one group an element write those of several groups as often.
+    # Formats with one group per element repeat those of several groups.
     _, first, copy = np.unique(
         np.sort(vertices, axis=1), axis=0, return_index=True, return_inverse=True
     )
     order = np.argsort(first)
     element = np.argsort(order)[copy.ravel()]
-    # In the order of memory that scikit-fem would report to change.
+    # In the order of memory that scikit-fem would otherwise change with a report.
     arrays = map(np.ascontiguousarray, (points[kept].T, vertices[first[order]].T))
     mesh = _MADE[dimension](*arrays)
     facets = _facets(mesh, number, sides, points, groups, shown)
@@ -106,8 +106,8 @@ def read(
 
 
 def loaded(path: Path) -> Any:
-    """The file as meshio reads it."""
-    import meshio  # here: it imports the readers of forty formats
+    """Return the file as read by meshio."""
+    import meshio  # imported here because it imports the readers of forty formats
 
     if not path.is_file():
         raise InputError("path", str(path), "no such file", "give the path of a mesh file")
@@ -125,7 +125,7 @@ def loaded(path: Path) -> Any:
     for name in sorted(formats, key=lambda name: name != "gmsh"):
         try:
             return getattr(meshio, name).read(path)
-        except Exception as error:  # readers fail on broken files in every way there is
+        except Exception as error:  # Readers fail on broken files with any kind of exception.
             why = why or f"{type(error).__name__} {error}".strip()
     raise InputError(
         "path",
@@ -136,7 +136,7 @@ def loaded(path: Path) -> Any:
 
 
 def _cells(file: Any, dimension: int, shown: str) -> tuple[Ints, Ints, dict[tuple[int, str], Ints]]:
-    """Nodes of sides (n, d) and of elements (n, all of them), and rows of groups by (dim, name)."""
+    """Return the nodes of sides (n, d) and of elements (n, all), and group rows by (dim, name)."""
     found: dict[int, list[Ints]] = {dimension - 1: [], dimension: []}
     groups: dict[tuple[int, str], list[Ints]] = {}
     plane = ", of plane triangles only (without recombination)" if dimension == 2 else ""
@@ -172,7 +172,7 @@ def _cells(file: Any, dimension: int, shown: str) -> tuple[Ints, Ints, dict[tupl
 
 
 def _groups(file: Any, block: int, dim: int) -> Iterator[tuple[str, Ints]]:
-    """Groups with elements of a block: name, rows of the block."""
+    """Yield the groups with elements of a block: name, rows of the block."""
     for name, sets in file.cell_sets.items():
         rows = sets[block]
         if not name.startswith("gmsh:") and rows is not None and len(rows):
@@ -181,13 +181,13 @@ def _groups(file: Any, block: int, dim: int) -> Iterator[tuple[str, Ints]]:
         names = {tuple(map(int, tag)): name for name, tag in file.field_data.items()}
         tags = np.asarray(file.cell_data["gmsh:physical"][block])
         for tag in np.unique(tags[tags > 0]).tolist():
-            # Of groups without a name the reader has a part only, where they overlap others.
+            # Groups without a name are incomplete in the reader where they overlap others.
             if (tag, dim) in names:
                 yield names[tag, dim], np.flatnonzero(tags == tag)
 
 
 def _places(points: Floats, elements: Ints, dimension: int, shown: str) -> Floats:
-    """Coordinates of nodes, (n, 3), or (n, 2) of those in a plane of constant z."""
+    """Return the coordinates of nodes, (n, 3), or (n, 2) in a plane of constant z."""
     if not np.all(np.isfinite(points)):
         raise InputError("path", shown, "has nodes that are not finite", "fix their coordinates")
     require_range(f"path = {shown!r}, coordinates", points)
@@ -205,7 +205,7 @@ def _places(points: Floats, elements: Ints, dimension: int, shown: str) -> Float
 
 
 def _check_straight(points: Floats, elements: Ints, dimension: int, shown: str) -> None:
-    """Midside nodes, where there are any, must lie on the straight edge between the vertices."""
+    """Reject midside nodes off the straight edge between the vertices."""
     midside = range(dimension + 1, elements.shape[1])
     for (one, other), middle in zip(_EDGES[dimension], midside, strict=False):
         start, end = points[elements[:, one]], points[elements[:, other]]
@@ -225,9 +225,9 @@ def _check_straight(points: Floats, elements: Ints, dimension: int, shown: str) 
 
 
 def _numbering(points: Floats, elements: Ints, sides: Ints, merge: float) -> tuple[Ints, Ints]:
-    """Number of the vertex that each node is (-1: none), and the node that each vertex is.
+    """Return the vertex of each node (-1: none), and the node of each vertex.
 
-    Vertices keep the order of the first node of an element that they are made of.
+    Vertices keep the order of their first node in an element.
     """
     corners = np.unique(elements)
     used = np.union1d(corners, sides)
@@ -239,7 +239,7 @@ def _numbering(points: Floats, elements: Ints, sides: Ints, merge: float) -> tup
         cluster = np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
     clusters, first = np.unique(cluster[corners], return_index=True)
     order = np.argsort(first)
-    vertex = np.full(len(points), -1)  # of each cluster; none where no element has a node of it
+    vertex = np.full(len(points), -1)  # vertex of each cluster; none if no element has a node of it
     vertex[clusters[order]] = np.arange(clusters.size)
     return vertex[cluster], corners[first[order]]
 
@@ -252,7 +252,7 @@ def _facets(
     groups: dict[tuple[int, str], Ints],
     shown: str,
 ) -> Ints:
-    """Facet of each side, -1 of those in no group."""
+    """Return the facet of each side, -1 for those in no group."""
     dimension = mesh.p.shape[0]
     side, edge, element, within, _ = _NAMES[dimension]
     names = {
@@ -280,7 +280,7 @@ def _facets(
 
 
 def _restricted(mesh: MeshTri | MeshTet, surface: str) -> MeshTri | MeshTet:
-    """The elements of one group; groups of sides elsewhere are forgotten."""
+    """Return the elements of one group; groups of sides elsewhere are dropped."""
     groups = mesh.subdomains or {}
     kinds = _NAMES[mesh.p.shape[0]][4]
     if surface not in groups:

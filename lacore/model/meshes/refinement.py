@@ -1,4 +1,4 @@
-"""Refinement of triangles, and tetrahedra: some of them, names and shapes kept."""
+"""Local refinement of triangles and tetrahedra, with names and shapes kept."""
 
 from typing import TypeVar
 
@@ -8,28 +8,28 @@ from skfem import MeshTet, MeshTri
 from lacore.model.meshes.solid.bisection import bisected_tetrahedra
 from lacore.numerics.arrays import Bools, Floats, Ints
 
-_THETA = 0.2  # Doerfler's part of all shares at a time; 0.1 to 0.3 differ little
-_BEYOND = 1.02  # of the elements that are asked for: more than that are too many
+_THETA = 0.2  # share of Doerfler marking per step; 0.1 to 0.3 differ little
+_BEYOND = 1.02  # by the requested number of elements: more are too many
 
 
 Simplices = TypeVar("Simplices", MeshTri, MeshTet)
 
 
 def grown(mesh: Simplices, shares: Floats, growth: float, most: int) -> Simplices | None:
-    """The mesh refined until it has about `growth` times as many elements, at most `most`.
+    """Return the mesh refined to about `growth` times as many elements, at most `most`.
 
-    Several times on end, by what shares are expected to become: where velocities jump, an error
-    falls as the size of elements does. So a solve pays for more than one refinement. The last time
-    only so many elements are divided as are asked for.
+    It is refined several times in a row by the expected shares: where velocities jump, an error
+    falls with the size of elements. A solve thus pays for more than one refinement. The last time
+    only the required number of elements is divided.
 
     Args:
         mesh: straight triangles, or tetrahedra.
-        shares: of an error, shape (elements,).
+        shares: shares of an error, shape (elements,).
         growth: above 1.
-        most: elements.
+        most: limit of elements.
 
     Returns:
-        None where that is less than a tenth more.
+        The mesh, or None if it would have less than a tenth more.
     """
     finer, left = mesh, np.maximum(shares, 0.0)
     asked = min(growth * mesh.nelements, most)
@@ -44,21 +44,21 @@ def grown(mesh: Simplices, shares: Floats, growth: float, most: int) -> Simplice
         if next_.nelements > most:
             break
         parts = np.bincount(parents, minlength=finer.nelements)[parents]
-        # Of an area 1/parts, size 1/sqrt(parts); of a volume so, size 1/cbrt(parts).
+        # An area of 1/parts has the size 1/sqrt(parts); a volume of 1/parts the size 1/cbrt(parts).
         finer, left = next_, left[parents] / parts ** (1 + 1 / len(mesh.p))
     return finer if 10 * finer.nelements >= 11 * mesh.nelements else None
 
 
 def divided(mesh: Simplices, elements: Ints) -> tuple[Simplices, Ints]:
-    """The mesh with elements divided, and the parents of all."""
+    """Return the mesh with elements divided, and the parents of all."""
     return bisected_tetrahedra(mesh, elements) if len(mesh.p) == 3 else bisected(mesh, elements)
 
 
 def bisected(mesh: MeshTri, elements: Ints) -> tuple[MeshTri, Ints]:
-    """The mesh with elements divided in two across their longest edge, and the parents of all.
+    """Return the mesh with elements divided across their longest edge, and the parents of all.
 
-    Neighbours are divided too, so that no node hangs, across their longest edge first; angles stay
-    above half of the smallest one. Boundaries and elements keep their names.
+    Neighbours are divided, too, so that no node hangs, across their longest edge first; angles
+    remain above half of the smallest one. Boundaries and elements keep their names.
 
     Source: Rivara, Algorithms for refining triangular grids suitable for adaptive and multigrid
         techniques, IJNME 20, 1984; where all three edges are divided, into four similar triangles.
@@ -87,7 +87,7 @@ def bisected(mesh: MeshTri, elements: Ints) -> tuple[MeshTri, Ints]:
 
 
 def with_named_elements(finer: MeshTri, mesh: MeshTri, parents: Ints) -> MeshTri:
-    """The finer mesh with the named elements of a mesh, by the parents of its own."""
+    """Return the finer mesh with the named elements of a mesh, by their parents."""
     if not mesh.subdomains:
         return finer
     named: MeshTri = finer.with_subdomains(
@@ -100,7 +100,7 @@ def with_named_elements(finer: MeshTri, mesh: MeshTri, parents: Ints) -> MeshTri
 
 
 def facets_between(mesh: MeshTri, ends: Ints) -> Ints:
-    """Numbers of the facets between vertices, shape (2, n), ascending."""
+    """Return the numbers of the facets between vertices, shape (2, n), ascending."""
     count = mesh.p.shape[1]
     known = _keys(mesh.facets, count)
     order = np.argsort(known)
@@ -113,7 +113,10 @@ def _keys(ends: Ints, count: int) -> Ints:
 
 
 def _longest_first(mesh: MeshTri) -> Ints:
-    """Vertices of elements, the ends of the longest edge first; both sides agree on equal ones."""
+    """Return the vertices of elements, with the ends of the longest edge first.
+
+    Both sides choose the same of equal edges.
+    """
     along = mesh.p[:, mesh.facets[1]] - mesh.p[:, mesh.facets[0]]
     rank = np.empty(mesh.nfacets, dtype=np.int64)
     rank[np.argsort(np.sum(along**2, axis=0), kind="stable")] = np.arange(mesh.nfacets)
@@ -125,13 +128,19 @@ def _longest_first(mesh: MeshTri) -> Ints:
 
 
 def _facets_across(mesh: MeshTri, corners: Ints) -> Ints:
-    """Facets between vertices (0, 1), (1, 2) and (2, 0) of `corners`, shape (3, elements)."""
+    """Return the facets between vertices (0, 1), (1, 2) and (2, 0) of `corners`.
+
+    The shape is (3, elements).
+    """
     first = np.argmax(mesh.t == corners[0], axis=0)
     return np.asarray(np.take_along_axis(mesh.t2f, (first + np.arange(3)[:, None]) % 3, axis=0))
 
 
 def _parts(corners: Ints, middles: Ints) -> tuple[Ints, Ints]:
-    """Triangles and their parents, from the middles of edges (0, 1), (1, 2), (2, 0); -1: whole."""
+    """Return triangles and their parents, from the middles of edges (0, 1), (1, 2), (2, 0).
+
+    A middle of -1 means that the edge is not divided.
+    """
     a, b, c = corners
     ab, bc, ca = middles
     one, two, three = middles >= 0
@@ -147,14 +156,14 @@ def _parts(corners: Ints, middles: Ints) -> tuple[Ints, Ints]:
         for part in parts:
             triangles.append(np.stack(part)[:, which])
             parents.append(np.flatnonzero(which))
-    # In the order in which scikit-fem wants them in memory.
+    # in the order of memory that scikit-fem requires
     return np.ascontiguousarray(np.concatenate(triangles, axis=1)), np.concatenate(parents)
 
 
 def doerfler(shares: Floats, theta: float) -> Ints:
-    """The fewest elements that hold the part `theta` of all shares, ascending.
+    """Return the fewest elements that hold the part `theta` of all shares, ascending.
 
-    Shares below 0 count as 0; where none is left, all elements.
+    Shares below 0 count as 0; if none is positive, all elements are returned.
 
     Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SINUM 33, 1996.
     """

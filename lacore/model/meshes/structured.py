@@ -1,6 +1,6 @@
-"""Mesh helpers on scikit-fem: rectangles, graded or turning, rings, curved meshes, files.
+"""Builders of scikit-fem meshes: rectangles, graded meshes, rings.
 
-Any `skfem.MeshTri` with named boundaries serves as well.
+Any `skfem.MeshTri` with named boundaries can be used as well.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from lacore.model.meshes.refinement import with_named_elements
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, is_number, is_vector, require_range, typed
 
-_STRAIGHT = 1e-9  # of unit vectors: round-off of places
+_STRAIGHT = 1e-9  # by unit vectors: round-off of places
 
 
 def graded(
     start: float, stop: float, cells: int, grade: tuple[float, float] | None = None
 ) -> Floats:
-    """Coordinates of a graded row of cells, shape (cells + 1,), in the unit of `start`.
+    """Return the coordinates of a graded row of cells, (cells + 1,), in the unit of `start`.
 
     Args:
         start, stop: ends of the row, ``start < stop``.
@@ -45,10 +45,10 @@ def graded(
 def along_axis(
     axis: str, ends: tuple[float, float], cells: int, grade: tuple[float, float] | None
 ) -> Floats:
-    """The same of an axis ``x``: errors name ``x``, ``nx``, ``grade_x``.
+    """Return the coordinates of an axis ``x``: errors name ``x``, ``nx``, ``grade_x``.
 
     Raises:
-        InputError: see `graded`; `ends` that are no pair.
+        InputError: see `graded`; `ends` that are not a pair.
     """
     if not is_vector(ends) or len(ends) != 2:
         raise InputError(axis, ends, "not an interval", f"give ({axis}0, {axis}1), two numbers")
@@ -62,7 +62,7 @@ def _row(
     grade: tuple[float, float] | None,
     fields: tuple[str, str, str],
 ) -> Floats:
-    """See `graded`; `fields` are what errors call its arguments."""
+    """Return the coordinates, see `graded`; `fields` are the names of its arguments in errors."""
     _check_row(start, stop, cells, grade, fields)
     if grade is None:
         return np.linspace(start, stop, cells + 1)
@@ -132,12 +132,12 @@ def rectangle(
     grade_x: tuple[float, float] | None = None,
     grade_y: tuple[float, float] | None = None,
 ) -> MeshTri:
-    """Triangle mesh of a rectangle with boundaries `left`, `right`, `bottom`, `top`.
+    """Return a triangle mesh of a rectangle with boundaries `left`, `right`, `bottom`, `top`.
 
     Args:
         x, y: extents.
-        nx, ny: cells in each direction.
-        crossed: four triangles a cell around its centre (the better choice for limit analysis);
+        nx, ny: number of cells in each direction.
+        crossed: four triangles per cell around its centre (better for limit analysis);
             else two.
         grade_x, grade_y: ``(at, ratio)``, see `graded`.
 
@@ -160,7 +160,7 @@ def quadrilaterals(
     grade_x: tuple[float, float] | None = None,
     grade_y: tuple[float, float] | None = None,
 ) -> MeshQuad:
-    """The cells of `rectangle` themselves, for the space `q2`, with the same boundaries.
+    """Return the cells of `rectangle`, for the space `q2`, with the same boundaries.
 
     Example:
         >>> la.meshes.quadrilaterals(x=(0, 2), y=(0, 1), nx=4, ny=2).nelements
@@ -170,9 +170,9 @@ def quadrilaterals(
 
 
 def named_sides(mesh: Any) -> Any:
-    """A mesh of a rectangle with its sides named."""
-    # By exact coordinates: the default names of scikit-fem go by `numpy.isclose` and take in facets
-    # beside the boundary where cells are long and thin or far from the origin.
+    """Return a mesh of a rectangle with its sides named."""
+    # Exact coordinates are used, since the default names of scikit-fem use `numpy.isclose` and
+    # include facets near the boundary if cells are long and thin or far from the origin.
     left, bottom = mesh.p.min(axis=1)
     right, top = mesh.p.max(axis=1)
     return mesh.with_boundaries(
@@ -193,18 +193,20 @@ def quarter_ring(
     crossed: bool = True,
     grade: float = 1.0,
 ) -> MeshTri:
-    """Quarter ring in x, y >= 0 with boundaries `bore`, `outside`, `x_axis`, `y_axis`.
+    """Return a quarter ring in x, y >= 0 with boundaries `bore`, `outside`, `x_axis`, `y_axis`.
 
-    The circles are polygons with straight edges: a body of it is ``geometry="approximated"``.
+    The circles are polygons with straight edges: a body with this mesh is
+    ``geometry="approximated"``.
 
     Args:
         inner, outer: radii.
-        n_radial, n_angular: cells along the radius and around the quarter.
+        n_radial, n_angular: number of cells along the radius and around the quarter.
         crossed: see `rectangle`.
         grade: ratio of the outermost cell to the innermost.
 
     Raises:
-        InputError: see `graded`; an inner radius that is not positive, an outer one within it.
+        InputError: see `graded`; an inner radius that is not positive, or an outer one that is
+            smaller.
 
     Example:
         >>> ring = la.meshes.quarter_ring(inner=1.0, outer=2.0, n_radial=2, n_angular=6)
@@ -219,7 +221,7 @@ def quarter_ring(
     r, angle = cells.p
     points = np.stack([r * np.cos(angle), r * np.sin(angle)])
     points[0, angle == pi / 2] = 0.0
-    # Crossed when bent: the centre of a flat cell would land beyond the chord of a thin one.
+    # Cells are crossed after bending: the centre of a flat cell would be beyond the chord.
     bent = replace(cells, doflocs=points).to_meshtri(style="x" if crossed else None)
     flat = rectangle((inner, outer), (0, pi / 2), n_radial, n_angular, crossed, (inner, grade))
     names = {"left": "bore", "right": "outside", "bottom": "x_axis", "top": "y_axis"}
@@ -232,10 +234,10 @@ def quarter_ring(
 
 @typed()
 def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
-    """The mesh with elements split in three about their centroids; all names are kept.
+    """Return the mesh with elements split in three at their centroids; all names are kept.
 
-    For corners that one element fills, where linear stresses cannot follow tractions on both sides
-    (`lacore.lower_bound`).
+    This is needed for corners filled by one element, where linear stresses cannot follow tractions
+    on both sides (`lacore.lower_bound`).
 
     Example:
         >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
@@ -268,21 +270,21 @@ def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
 
 @typed()
 def unaligned(mesh: MeshTri, to: tuple[float, float] = (0.7, 0.64)) -> MeshTri:
-    """The mesh with every vertex moved at which four triangles meet along two straight lines.
+    """Return the mesh with vertices moved at which four triangles meet along two straight lines.
 
-    At such a vertex, the centre of each crossed cell, gradients of continuous velocities depend on
-    each other (it is singular: Scott and Vogelius 1985), so that some stresses have no forces. Soil
-    that dilates less than its friction is solved in half as many steps without. All names are kept;
-    upper bounds are a little farther, as triangles are.
+    At such a vertex, the centre of each crossed cell, gradients of continuous velocities are
+    dependent (it is singular: Scott and Vogelius 1985), so that some stresses have no forces.
+    Problems of non-associated soil are solved in half as many steps without them. All names are
+    kept; upper bounds are slightly higher, as for triangles.
 
     Args:
-        mesh: of straight triangles.
-        to: where to, in the quadrilateral around the vertex, from its lower left corner, as shares
-            of its sides in (0, 1), off its diagonals: on both, vertices stay as they are.
+        mesh: mesh of straight triangles.
+        to: new place in the quadrilateral around the vertex, from its lower left corner, as shares
+            of its sides in (0, 1), off its diagonals; on both, vertices are not moved.
 
     Raises:
-        InputError: a place that is not within, or leaves vertices singular; triangles that
-            would turn over.
+        InputError: a place outside, or one that leaves vertices singular; triangles that would be
+            inverted.
 
     Example:
         >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
@@ -295,7 +297,7 @@ def unaligned(mesh: MeshTri, to: tuple[float, float] = (0.7, 0.64)) -> MeshTri:
     ):
         raise InputError("to", to, "not a place inside, off its diagonals", "give e.g. (0.7, 0.64)")
     vertices, corners = _aligned(mesh)
-    (a, b), around = to, mesh.p[:, corners]  # (2, 4, v), in turn
+    (a, b), around = to, mesh.p[:, corners]  # shape (2, 4, v), in order
     shares = np.array([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
     places = mesh.p.copy()
     places[:, vertices] = np.einsum("i,xiv->xv", shares, around)
@@ -308,13 +310,13 @@ def unaligned(mesh: MeshTri, to: tuple[float, float] = (0.7, 0.64)) -> MeshTri:
 
 
 def _aligned(mesh: MeshTri) -> tuple[Ints, Ints]:
-    """Singular vertices inside, and the four around each from the lower left, (4, v)."""
+    """Return singular inner vertices, and the four around each from the lower left, (4, v)."""
     touching = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
     inside = np.setdiff1d(np.flatnonzero(touching == 4), mesh.boundary_nodes())
     ends = np.concatenate([mesh.facets, mesh.facets[::-1]], axis=1)
     ends = ends[:, np.isin(ends[0], inside)]
     around = ends[1, np.argsort(ends[0], kind="stable")].reshape(-1, 4)
-    arms = mesh.p[:, around] - mesh.p[:, inside][:, :, None]  # (2, v, 4)
+    arms = mesh.p[:, around] - mesh.p[:, inside][:, :, None]  # shape (2, v, 4)
     order = np.argsort(np.arctan2(arms[1], arms[0]), axis=1)  # from -pi on: lower left first
     around = np.take_along_axis(around, order, axis=1)
     arms = np.take_along_axis(arms, order[None], axis=2)

@@ -34,19 +34,19 @@ from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.text import Quantity, text
 
-_TOLERANCE = 1e-6  # of the mean block size
-_GAP = 1e-3  # of the shortest edge; a tenth of the gaps at which blocks nearly touch
-_SLIVER = 1e-6  # of the size of its block; shorter edges are ignored
+_TOLERANCE = 1e-6  # by the mean block size
+_GAP = 1e-3  # by the shortest edge; a tenth of the gaps at which blocks nearly touch
+_SLIVER = 1e-6  # by the size of its block; shorter edges are ignored
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BlockAssembly(RigidBlocks):
     """Rigid blocks and the joints between them.
 
-    A joint is a segment that two outlines share: two edges face each other, overlap along more
-    than `tolerance`, and are at most `tolerance` apart. The ends of the segment are its contact
-    points. Corners that touch an edge or a corner make no joint. `Problem` rejects corners that
-    rest inside an edge, and corners that meet where no joints keep their blocks apart.
+    A joint is a segment that two outlines share: two edges face each other, overlap along more than
+    `tolerance`, and are at most `tolerance` apart. The ends of the segment are its contact points.
+    Corners that touch an edge or a corner make no joint. `Problem` rejects corners that rest inside
+    an edge, and corners that meet where no joints keep their blocks apart.
 
     Attributes:
         blocks: Polygons by name, with vertices (k, 2) in m in either sense, convex or not. Those of
@@ -55,9 +55,9 @@ class BlockAssembly(RigidBlocks):
         joint_friction: Other laws for single pairs ``(name, name)``, in either order.
         tolerance: Distance up to which outlines touch, m. The default is 1e-6 of the mean block
             size (root of the area), or 1e-3 of the shortest edge if that is less.
-        names: Of the blocks, (B,).
-        area: Of the blocks, (B,), m^2.
-        centroid: Of the blocks, (2, B), m.
+        names: Names of the blocks, (B,).
+        area: Areas of the blocks, (B,), m^2.
+        centroid: Centroids of the blocks, (2, B), m.
         radius: Largest distance of a vertex from the centroid, (B,), m, which scales rates of
             rotation to velocities.
         size: Diagonal of the bounding box, m.
@@ -118,7 +118,7 @@ class BlockAssembly(RigidBlocks):
         radius = np.zeros(area.size)
         np.maximum.at(radius, block, np.linalg.norm(points.T - centroid[:, block], axis=0))
         ends = np.flatnonzero(np.diff(block)) + 1
-        rings = (ring[:-1] for ring in np.split(points, ends))  # the last closes the ring
+        rings = (ring[:-1] for ring in np.split(points, ends))  # The last one closes the ring.
         computed = {
             "blocks": MappingProxyType(dict(zip(names, rings, strict=True))),
             "friction": friction,
@@ -147,7 +147,7 @@ class BlockAssembly(RigidBlocks):
     @property
     def polygons(self) -> Mapping[str, Floats]:
         """Vertices (k, 2) by name, counterclockwise."""
-        assert isinstance(self.blocks, Mapping)  # since it was built
+        assert isinstance(self.blocks, Mapping)  # set in the constructor
         return self.blocks  # type: ignore[return-value]
 
     @property
@@ -166,19 +166,23 @@ class BlockAssembly(RigidBlocks):
         return self.edges.block
 
     def rims(self, edges: Ints) -> tuple[Floats, Floats, Ints]:
-        """Ends of edges, (2, k), m, normals there, (2, k), and blocks, (k,)."""
+        """Return the ends of edges, (2, k), m, normals there, (2, k), and blocks, (k,)."""
         every, twice = self.edges, np.tile(edges, 2)
         places = np.concatenate([every.start[:, edges], every.end[:, edges]], axis=1)
         return places, every.normal[:, twice], every.block[twice]
 
     def geometry_of(self, edges: Ints) -> tuple[Floats, Floats, Floats]:
-        """Middles of edges and normals, (2, k) each, and lengths, (k,), m."""
+        """Return the middles of edges and normals, (2, k) each, and lengths, (k,), m."""
         start, end = self.edges.start[:, edges], self.edges.end[:, edges]
         length = np.linalg.norm(end - start, axis=0)
         return (start + end) / 2, self.edges.normal[:, edges], np.asarray(length)
 
     def simplices(self, blocks: Ints) -> tuple[Floats, Floats, Ints]:
-        """Triangles of blocks, corners (2, 3, t), m, areas (t,), m^2, and the block of each."""
+        """Return the triangles of blocks.
+
+        Returns:
+            corners (2, 3, t), m, areas (t,), m^2, and the block of each.
+        """
         rings = [shapely.Polygon(self.polygons[self.names[block]]) for block in blocks]
         cut = [shapely.get_parts(shapely.constrained_delaunay_triangles(own)) for own in rings]
         corners = shapely.get_coordinates(np.concatenate(cut)).reshape(-1, 4, 2)[:, :3]
@@ -188,17 +192,20 @@ class BlockAssembly(RigidBlocks):
         return corners, area, np.repeat(blocks, [len(own) for own in cut])
 
     def away(self, place: Floats) -> Floats:
-        """Distances of a place from all blocks, m, (B,)."""
+        """Return the distances of a place from all blocks, m, (B,)."""
         outlines = [shapely.Polygon(ring) for ring in self.polygons.values()]
         return np.asarray(shapely.distance(outlines, shapely.Point(place)))
 
     def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
-        """Outline edges of a part of the blocks, and their geometry; errors name the `field`."""
+        """Return the outline edges of a part of the blocks, and their geometry.
+
+        Errors name the `field`.
+        """
         edges, every = self.outline(where, field), self.edges
         return edges, Edges(every.start[:, edges], every.end[:, edges], every.normal[:, edges])
 
     def curves(self, edges: Ints) -> EdgeCurves:
-        """Edges as curves, which are straight."""
+        """Return the edges as curves, which are straight."""
         start, end = self.edges.start[:, edges], self.edges.end[:, edges]
         return EdgeCurves(start, (start + end) / 2, end)
 
@@ -209,18 +216,18 @@ class BlockAssembly(RigidBlocks):
         return own.first[alone], own.second[alone], own.place[:, alone]
 
     def check_load(self, load: Load, field: str) -> None:
-        """Raise `InputError` where no block carries a load."""
+        """Raise `InputError` if no block carries a load."""
         carried(load, self)
 
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Raise `InputError` where a block touches nothing, or by a corner only."""
+        """Raise `InputError` if a block touches nothing, or only by a corner."""
         check_resting_corners(self, field)
         check_contact(self, field, supports, touched)
 
     def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:
-        """Edges that satisfy a predicate along their whole length.
+        """Return the edges that satisfy a predicate along their whole length.
 
         Raises:
             InputError: a predicate that ends inside an edge; it names the `field`.
@@ -243,13 +250,13 @@ class BlockAssembly(RigidBlocks):
 
 
 def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Floats) -> float:
-    """The tolerance in m, refused where coordinates do not resolve it.
+    """Return the tolerance in m; rejected if coordinates do not resolve it.
 
     Args:
-        given: by the user.
+        given: value of the user.
         points: vertices, (n, 2), of all blocks; the last of each repeats its first.
         block: numbers, (n,).
-        area: of the blocks.
+        area: areas of the blocks.
     """
     if given is not None:
         require_positive("BlockAssembly.tolerance", given)
@@ -264,7 +271,7 @@ def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Fl
 
 
 def RigidBlock(vertices: ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body
-    """An assembly of one block, named "block".
+    """Return an assembly of one block, named "block".
 
     Example:
         >>> la.RigidBlock([(0, 0), (1, 0), (1, 2), (0, 2)]).names

@@ -1,6 +1,6 @@
-"""Rows of walls: where the head joints and the openings of each course lie, in blocks.
+"""Rows of walls: positions of the head joints and openings of each course, in blocks.
 
-A row is one course from left to right: widths, an opening as minus its width.
+A row is one course from left to right: widths, with the width of an opening negative.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from lacore.reporting.errors import (
 )
 
 FIRST = ("full", "halves")
-ROUND_OFF = 1e-9  # of the width of a row: widths written in decimals add up to this
-_JAMB = 0.25  # blocks: the shortest block beside an opening or an end of a random wall
+ROUND_OFF = 1e-9  # by the width of a row: sums of decimal widths agree to this
+_JAMB = 0.25  # blocks: shortest block next to an opening or an end of a random wall
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Opening:
 
     Attributes:
         left, width: position of its left side and width, in blocks.
-        sill, height: courses below it, and courses that it takes.
+        sill, height: courses below it, and its height in courses.
 
     Example:
         >>> door = la.masonry.Opening(left=2, width=2, sill=0, height=3)
@@ -49,12 +49,12 @@ class Opening:
 def regular_bond(
     wide: int, courses: int, openings: Sequence[Opening] = (), first: str = "full"
 ) -> list[list[float]]:
-    """Rows of a wall of whole blocks that are shifted by half a block from course to course.
+    """Return the rows of a wall of whole blocks, shifted by half a block from course to course.
 
     Blocks at an opening are cut.
 
     Args:
-        wide: width in blocks. `courses`: how many.
+        wide: width in blocks. `courses`: number of courses.
         openings: see `Opening`, `windows`.
         first: the lowest course: ``full`` blocks only, or ``halves`` at both ends.
 
@@ -78,9 +78,9 @@ def regular_bond(
 
 
 def windows(wide: int, courses: int, every: int) -> list[Opening]:
-    """Openings of one block by five courses, one in `every` blocks, each twelve courses.
+    """Return openings of one block by five courses, one in `every` blocks and twelve courses.
 
-    They lie like the opening of wall 3 of the literature, and so below full courses of a
+    They are placed like the opening of wall 3 of the literature, so below full courses of a
     `regular_bond` whose first course is full: two blocks corbel over each.
 
     Example:
@@ -100,17 +100,17 @@ def windows(wide: int, courses: int, every: int) -> list[Opening]:
 def random_bond(
     seed: int | np.random.Generator, wide: int, courses: int, openings: int = 0
 ) -> list[list[float]]:
-    """Rows of a wall of blocks of random widths with openings of random place and size.
+    """Return the rows of a wall of random blocks with random openings.
 
-    Every block rests on one below (or the base) and laps over its head joints by 0.1 blocks at
-    least; a single lintel spans each opening and bears 0.25 blocks on either side. Doors reach
+    Every block rests on one below (or the base) and overlaps its head joints by at least 0.1
+    blocks; a single lintel spans each opening and bears 0.25 blocks on either side. Doors reach
     down to the base.
 
     Args:
-        seed: of the random numbers, or their generator.
-        wide: width in blocks. `courses`: how many.
-        openings: how many; each takes a bay of its own, at least 2.5 blocks wide, in a wall of
-            three courses at least.
+        seed: seed of the random numbers, or their generator.
+        wide: width in blocks. `courses`: number of courses.
+        openings: number of openings; each has a separate bay of at least 2.5 blocks, in a wall of
+            at least three courses.
 
     Raises:
         InputError: a wall too small for its openings.
@@ -152,7 +152,7 @@ def random_bond(
 
 
 def _random_opening(draw: np.random.Generator, start: float, bay: float, courses: int) -> Opening:
-    """An opening with piers of 0.75 blocks in the bay, and a course above it."""
+    """Return an opening with piers of 0.75 blocks in the bay, and a course above it."""
     width = draw.uniform(0.8, min(2.0, bay - 1.5))
     sill = int(draw.integers(0, courses - 2, endpoint=True))
     height = int(draw.integers(1, courses - 1 - sill, endpoint=True))
@@ -160,7 +160,7 @@ def _random_opening(draw: np.random.Generator, start: float, bay: float, courses
 
 
 def _holes(openings: Sequence[Opening], course: int) -> list[tuple[float, float]]:
-    """Left and right ends of the holes in a course."""
+    """Return the left and right ends of the holes in a course."""
     return sorted(
         (hole.left, hole.left + hole.width)
         for hole in openings
@@ -169,7 +169,10 @@ def _holes(openings: Sequence[Opening], course: int) -> list[tuple[float, float]
 
 
 def _row(joints: Floats, wide: float, holes: list[tuple[float, float]], jamb: float) -> list[float]:
-    """Widths of a course whose head joints are given; those nearer than `jamb` to a hole go."""
+    """Return the widths of a course with given head joints, except those close to a hole.
+
+    Joints closer than `jamb` to a hole are left out.
+    """
     for left, right in holes:
         joints = joints[(joints < left - jamb) | (joints > right + jamb)]
     ends = np.unique(np.concatenate([[0.0, wide], joints, np.ravel(holes)]))

@@ -1,4 +1,4 @@
-"""Whether the contact of rigid blocks is such as joints, interfaces and supports can carry."""
+"""Checks that joints, interfaces and supports can carry the contact of rigid blocks."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

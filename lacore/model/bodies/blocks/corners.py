@@ -1,4 +1,4 @@
-"""Corners that rest on edges where no segment is shared: contacts nobody models."""
+"""Corners that rest on edges without a shared segment, which are not modelled as contact."""
 
 import numpy as np
 import shapely
@@ -8,20 +8,20 @@ from lacore.model.bodies.blocks.polygons import BlockEdges
 from lacore.model.bodies.touching import Edges, Shared
 from lacore.numerics.arrays import Floats, Ints
 
-_NEAR = 3  # tolerances: a segment may be off a corner by its gap and by the least overlap
+_NEAR = 3  # in tolerances: a segment may be off a corner by its gap and by the least overlap
 
 
 def resting_corners(
     edges: BlockEdges, joints: Joints, tolerance: float
 ) -> tuple[Floats, Ints, Ints]:
-    """Corners inside an edge of another block, away from the joints of the two.
+    """Return the corners inside an edge of another block, away from the joints of the two.
 
-    A corner at an end of the edge, where corners meet, is none: see
+    A corner at an end of the edge, where corners meet, is not included: see
     `lacore.model.bodies.blocks.meeting_corners`.
 
     Args:
-        edges: of all outlines; their starts are the corners.
-        joints: of all blocks.
+        edges: edges of all outlines; their starts are the corners.
+        joints: joints of all blocks.
         tolerance: m.
 
     Returns:
@@ -52,10 +52,12 @@ def resting_corners(
 
 
 def loose_corners(first: Edges, second: Edges, shared: Shared, tolerance: float) -> Floats:
-    """Ends of edges of one side of an interface on edges of the other, away from its segments.
+    """Return the ends of edges of one side of an interface that rest on the other side.
+
+    Those on its segments are left out.
 
     Args:
-        first, second: the edges of both sides.
+        first, second: edges of both sides.
         shared: the segments that they share.
         tolerance: m.
 

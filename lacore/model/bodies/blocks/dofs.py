@@ -1,9 +1,9 @@
 """Unknowns of rigid blocks, in the plane and in three dimensions (T70).
 
-Those of a block are the velocity of its centroid and its radius times its rates of rotation, so
-that all unknowns are velocities, m/s, and all forces, moments over the radius included, are N/m; in
-three dimensions N. Where joints crush, the speed of crushing of each point follows those of blocks:
-it opens the contact there, at the cost of strength times area (T95).
+The unknowns of a block are the velocity of its centroid and its radius times its rates of rotation,
+so that all unknowns are velocities, m/s, and all forces, moments over the radius included, are N/m;
+in three dimensions N. For joints that crush, the crushing speed of each point follows the unknowns
+of blocks: it opens the contact there, at the cost of strength times area (T95).
 """
 
 from collections.abc import Iterable, Mapping
@@ -28,7 +28,7 @@ Kind = TypeVar("Kind", bound=RigidBlocks)
 
 @dataclass(frozen=True, repr=False)
 class RigidDofs(Compact, Generic[Assembly]):
-    """Where the velocity of an assembly stands in the vector of all unknowns.
+    """Place of the velocity of an assembly among all unknowns.
 
     Attributes:
         body: the assembly.
@@ -38,7 +38,7 @@ class RigidDofs(Compact, Generic[Assembly]):
 
     body: Assembly
     offset: int
-    degree = 1  # of the velocity along an edge
+    degree = 1  # degree of the velocity along an edge
     bent = axisymmetric = False
 
     @property
@@ -76,7 +76,7 @@ class RigidDofs(Compact, Generic[Assembly]):
 
     @property
     def places(self) -> Floats:
-        """Where each unknown moves something: centroids, points that crush, (d, count), m."""
+        """Place of each unknown: centroids, points that crush, (d, count), m."""
         centroids = np.repeat(self.body.centroid, self.per_block, axis=1)
         points = self.body.crushing_points
         return centroids if points is None else np.concatenate([centroids, points.position], axis=1)
@@ -87,7 +87,7 @@ class RigidDofs(Compact, Generic[Assembly]):
         return fsum(self.body.measure)
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """Crushing, where the stress of each point is its pressure; motions dissipate nothing."""
+        """Return the crushing group, with pressures as stresses; motions dissipate nothing."""
         points, m = self.body.crushing_points, self.crushing.size
         if points is None:
             return ()
@@ -104,7 +104,7 @@ class RigidDofs(Compact, Generic[Assembly]):
         )
 
     def crushed(self, n: int) -> tuple[Sparse, ...]:
-        """Rows of what crushing adds to the jump at points of joints along x, y, z, (m, n) each."""
+        """Return the rows of the jump by crushing at points of joints, (m, n) for each axis."""
         points = self.body.crushing_points
         if points is None:
             return ()
@@ -112,19 +112,22 @@ class RigidDofs(Compact, Generic[Assembly]):
         return tuple(csr_matrix((own, where), shape) for own in points.normal)
 
     def moving(self, blocks: Ints) -> Ints:
-        """What moves continuously: each block for itself."""
+        """Return the blocks, each of which moves separately."""
         return blocks
 
     def thickness(self, places: Floats) -> Floats:
-        """One metre."""
+        """Return a thickness of one metre."""
         return np.ones_like(places[0])
 
     def parts(self, facets: Ints) -> Ints:
-        """The blocks of edges or faces, which move as one."""
+        """Return the blocks of edges or faces."""
         return self.body.blocks_of(facets)
 
     def velocity_rows(self, blocks: Ints, points: Floats, n: int) -> tuple[Sparse, ...]:
-        """Rows of u_x, u_y (and u_z) of blocks at points of shape (d, k), each of shape (k, n)."""
+        """Return the rows of u_x, u_y (and u_z) of blocks at points.
+
+        The points have the shape (d, k), and each matrix (k, n).
+        """
         values, u = motions(self.body, blocks, points), self.per_block
         columns = self.offset + u * blocks[:, None] + np.arange(u)
         start = u * np.arange(blocks.size + 1)
@@ -137,25 +140,34 @@ class RigidDofs(Compact, Generic[Assembly]):
         return tuple(rows)
 
     def motion(self, velocity: Floats) -> Floats:
-        """Velocities of the centroids, m/s, and rates of rotation, rad/s, shape (u, blocks)."""
+        """Return the velocities of the centroids, m/s, and rates of rotation, rad/s.
+
+        The shape is (u, blocks).
+        """
         own = velocity[self.offset : self.offset + self.of_blocks]
         own = own.reshape(-1, self.per_block).T.copy()
         own[self.body.dimension :] /= self.body.radius
         return own
 
     def unknowns(self, motion: Floats) -> Floats:
-        """The inverse of `motion`, shape (of_blocks,)."""
+        """Return the inverse of `motion`, shape (of_blocks,)."""
         own = motion.copy()
         own[self.body.dimension :] *= self.body.radius
         return np.asarray(own.T.ravel())
 
     def velocity_at(self, motion: Floats, blocks: Ints, points: Floats) -> Floats:
-        """Velocities of blocks at points of shape (d, k) by a `motion`, m/s, shape (d, k)."""
+        """Return the velocities of blocks at points of shape (d, k) by a `motion`, m/s.
+
+        The shape is (d, k).
+        """
         own = self.unknowns(motion).reshape(-1, self.per_block)[blocks]
         return np.asarray(np.einsum("kdu,ku->dk", motions(self.body, blocks, points), own))
 
     def force(self, load: Load) -> Floats:
-        """Forces of a load on the blocks' unknowns, shape (count,), N/m; in three dimensions N."""
+        """Return the forces of a load on the blocks' unknowns, shape (count,), N/m.
+
+        In three dimensions N.
+        """
         blocks, points, vectors = carried(load, self.body)
         total = np.zeros((len(self.body.names), self.per_block))
         turned = motions(self.body, blocks, points) * vectors.T[:, :, None]
@@ -163,16 +175,16 @@ class RigidDofs(Compact, Generic[Assembly]):
         return np.append(total.ravel(), np.zeros(self.crushing.size))
 
     def free(self, supports: Iterable[Fix]) -> Sparse:
-        """Basis of the velocities that supports leave free, shape (count, free)."""
+        """Return a basis of the velocities that supports allow, shape (count, free)."""
         blocks = free_motions(self.body, supports)
         return csr_matrix(block_diag([blocks, eye_array(self.crushing.size)]))
 
     def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
-        """Centroids (d, k) of held blocks, and what supports exert there: forces, moments (u, k).
+        """Return centroids (d, k) of held blocks, and forces and moments of supports there (u, k).
 
         Args:
-            force: what supports exert on the unknowns, shape (count,), N/m; in three dimensions N.
-            supports: of this assembly.
+            force: forces of supports on the unknowns, shape (count,), N/m; in three dimensions N.
+            supports: supports of this assembly.
         """
         facets = [self.body.outline(support.where, "Fix.where") for support in supports]
         blocks = np.unique(self.parts(np.concatenate([np.zeros(0, dtype=np.int64), *facets])))
@@ -184,7 +196,7 @@ class RigidDofs(Compact, Generic[Assembly]):
 def dofs_of_kind(
     blocks: Mapping[str, RigidDofs[RigidBlocks]], kind: type[Kind]
 ) -> dict[str, RigidDofs[Kind]]:
-    """The unknowns of the assemblies of one kind, by name."""
+    """Return the unknowns of the assemblies of one kind, by name."""
     return {
         name: cast(RigidDofs[Kind], own)
         for name, own in blocks.items()

@@ -1,4 +1,4 @@
-"""What lies on vaults: the weight of a fill and its lateral pressure, as loads on blocks."""
+"""Fill on vaults: its weight and lateral pressure as loads on blocks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.errors import InputError, is_number, require_positive, require_range, typed
 from lacore.reporting.text import Quantity, text
 
-_UPWARDS = 1e-9  # of a unit normal: above round-off of a vertical face
+_UPWARDS = 1e-9  # component of a unit normal above the round-off of a vertical face
 
 
 @typed()
@@ -25,13 +25,13 @@ def fill(
     surcharge: float = 0.0,
     where: str | tuple[str, ...] | Callable[[Floats], Bools] | None = None,
 ) -> list[PointForce]:
-    """Loads of a fill on the extrados of an arch, or behind a wall.
+    """Return the loads of a fill on the extrados of an arch, or behind a wall.
 
     At the depth h below its level it presses with ``p = unit_weight h + surcharge`` downwards, and
     with ``lateral p`` sideways, towards the blocks; on an edge with the outward normal n that is
     the traction ``-p (lateral n_x, n_y)``, linear along it. Each edge gets the resultant where it
-    acts, which is exact of rigid blocks. Of an edge that leaves the fill only the part below the
-    level is loaded. The fill is a load and no body: it neither spreads other loads nor resists.
+    acts, which is exact for rigid blocks. If an edge leaves the fill, only its part below the level
+    is loaded. The fill is a load, not a body: it neither distributes other loads nor resists.
 
     Args:
         body: name of the blocks in the problem.
@@ -39,11 +39,11 @@ def fill(
         unit_weight: N/m^3.
         level: height y of the surface of the fill, which is horizontal, m.
         lateral: ratio of horizontal to vertical pressure: 0, at rest ``1 - sin(phi)``, active
-            ``tan(45 deg - phi/2)**2``, 1 of a fluid.
-        surcharge: on the surface of the fill, Pa.
+            ``tan(45 deg - phi/2)**2``, 1 for a fluid.
+        surcharge: pressure on the surface of the fill, Pa.
         where: names of blocks, or a function of coordinates (2, n) that selects edges; None: all
-            edges that face upwards and have no joint. Of what is named edges that face downwards
-            are left out, vertical ones are loaded sideways.
+            edges that face upwards and have no joint. Selected edges that face downwards are left
+            out, and vertical ones are loaded sideways.
 
     Raises:
         InputError: a weight that is not positive, a ratio or surcharge below 0, nothing below the
@@ -75,7 +75,8 @@ def fill(
     normal = blocks.edges.normal[:, edges]
     first, last = (unit_weight * (level - own[1]) + surcharge for own in (start, end))
     length, total = np.linalg.norm(end - start, axis=0), first + last
-    share = np.full(total.size, 0.5)  # of the length, from the start, to where the resultant acts
+    # share of the length, from the start, at which the resultant acts
+    share = np.full(total.size, 0.5)
     np.divide(first + 2 * last, 3 * total, out=share, where=total > 0)
     place = start + share * (end - start)
     force = -0.5 * total * length * np.stack([lateral * normal[0], normal[1]])
@@ -90,7 +91,7 @@ def fill(
 def _covered(
     blocks: BlockAssembly, where: str | tuple[str, ...] | Callable[[Floats], Bools] | None
 ) -> Ints:
-    """Edges that a fill can lie on or against."""
+    """Return the edges that a fill can lie on or against."""
     rise = blocks.edges.normal[1]
     if where is None:
         return np.setdiff1d(np.flatnonzero(rise > _UPWARDS), blocks.jointed_facets)
@@ -99,7 +100,7 @@ def _covered(
 
 
 def _cut(start: Floats, end: Floats, level: float) -> tuple[Floats, Floats]:
-    """The parts of edges below a level that each of them reaches below."""
+    """Return the parts of edges below a level that each of them reaches below."""
     along = end - start
     rise = np.where(along[1] == 0, 1.0, along[1])
     share = np.clip((level - start[1]) / rise, 0.0, 1.0)

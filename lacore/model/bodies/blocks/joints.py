@@ -1,4 +1,4 @@
-"""Joints of rigid blocks: where outlines share a segment, and the friction law there."""
+"""Joints of rigid blocks: shared segments of outlines, and their friction laws."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,9 +23,10 @@ class Joints(Compact):
     Attributes:
         slave, master: block numbers, (J,); the master comes first in the assembly.
         slave_edge, master_edge: edge numbers, (J,).
-        start, end: the segment, along the edge of the slave, up to the gap on it, (2, J), m.
+        start, end: the segment along the edge of the slave, on it up to the gap, (2, J), m.
         normal: unit normal from the master into the slave, (2, J).
-        coefficient, limit, dilatancy, tension: of ``||t_t|| <= coefficient t + limit``, ``t = t_n +
+        coefficient, limit, dilatancy, tension: parameters of ``||t_t|| <= coefficient t + limit``,
+            ``t = t_n +
             tension >= 0`` (limit and tension in Pa) and ``u_n >= dilatancy ||u_t||``, (J,).
     """
 
@@ -43,7 +44,7 @@ class Joints(Compact):
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of joints."""
         return self.slave.size
 
     @property
@@ -53,7 +54,7 @@ class Joints(Compact):
 
 
 def joint_law(friction: float | Friction, field: str) -> Friction:
-    """A friction law of joints: of rigid blocks none is bonded."""
+    """Return a friction law of joints; rigid blocks have no bonds."""
     law = friction_law(friction, field)
     if law == BOND:
         raise InputError(
@@ -74,11 +75,11 @@ def find_joints(
     tolerance: float,
     field: str,
 ) -> Joints:
-    """Joints of all blocks, sorted along the edges of their slaves.
+    """Return the joints of all blocks, sorted along the edges of their slaves.
 
     Raises:
-        InputError: a pair in `joint_friction` that is given twice, unknown, or has no joint; a law
-            that is none.
+        InputError: a pair in `joint_friction` that is given twice, unknown, or has no joint; an
+            invalid law.
     """
     shared, normal = _joined(edges, tolerance)
     slave, master = edges.block[shared.first], edges.block[shared.second]
@@ -103,17 +104,17 @@ def joint_terms(
     joint_friction: JointFriction,
     field: str,
 ) -> Floats:
-    """Coefficient, limit, dilatancy and tension of joints, shape (4, J).
+    """Return coefficient, limit, dilatancy and tension of joints, shape (4, J).
 
     Args:
-        names: of blocks.
-        slave, master: of each joint, (J,); the number of the slave is the larger one.
-        friction: of all joints.
-        joint_friction: of single pairs.
-        field: of these, for messages.
+        names: names of blocks.
+        slave, master: blocks of each joint, (J,); the number of the slave is the larger one.
+        friction: law of all joints.
+        joint_friction: laws of single pairs.
+        field: name of these, for messages.
 
     Raises:
-        InputError: a pair that is given twice, unknown, or has no joint; a law that is none.
+        InputError: a pair that is given twice, unknown, or has no joint; an invalid law.
     """
     pair = slave * len(names) + master
     order = np.argsort(pair, kind="stable")
@@ -123,7 +124,7 @@ def joint_terms(
     if np.any(count == 0):
         without = list(joint_friction)[np.flatnonzero(count == 0)[0]]
         raise InputError(field, without, "these blocks share no joint", "remove the entry")
-    # Positions of all joints of all pairs: each pair's first one, and those right behind it.
+    # Positions of all joints of all pairs: the first one of each pair, and those after it.
     behind = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     special = order[np.repeat(first, count) + behind]
 
@@ -135,9 +136,9 @@ def joint_terms(
 
 
 def _joined(edges: BlockEdges, tolerance: float) -> tuple[Shared, Floats]:
-    """Segments by the edges of slaves and masters, and normals from masters into slaves.
+    """Return segments by the edges of slaves and masters, and normals from masters into slaves.
 
-    Of each pair the numbers are those of the same edge, whichever block is listed first, so that
+    The coordinates of a pair are those of the same edge, whichever block is listed first, so that
     its order does not change even the last digit.
     """
     shared = touching(edges, edges, tolerance)
@@ -146,7 +147,7 @@ def _joined(edges: BlockEdges, tolerance: float) -> tuple[Shared, Floats]:
     rank[np.lexsort(places)] = np.arange(rank.size)
     one, other = edges.block[shared.first], edges.block[shared.second]
     shared = shared.take(rank[one] > rank[other])
-    slave = edges.block[shared.first] > edges.block[shared.second]  # the first of the pair
+    slave = edges.block[shared.first] > edges.block[shared.second]  # slave is the first of the pair
     joined = Shared(
         np.where(slave, shared.first, shared.second),
         np.where(slave, shared.second, shared.first),
@@ -162,7 +163,7 @@ def _joined(edges: BlockEdges, tolerance: float) -> tuple[Shared, Floats]:
 
 
 def joint_names(names: Sequence[str], master: Ints, slave: Ints) -> tuple[str, ...]:
-    """``master|slave``, and ``master|slave#2`` where two blocks share a second place."""
+    """Return names ``master|slave``, and ``master|slave#2`` for a second joint of two blocks."""
     met: dict[tuple[int, int], int] = {}
     labels = []
     for pair in zip(master.tolist(), slave.tolist(), strict=True):
@@ -180,7 +181,7 @@ def _coefficients(law: Friction) -> tuple[float, float, float, float]:
 def _by_pair(
     names: Sequence[str], joint_friction: JointFriction, field: str
 ) -> tuple[Ints, list[Friction]]:
-    """Pair numbers as in `find_joints`, and laws."""
+    """Return the pair numbers as in `find_joints`, and laws."""
     number = {name: n for n, name in enumerate(names)}
     laws: dict[int, Friction] = {}
     if not isinstance(joint_friction, Mapping):

@@ -1,4 +1,4 @@
-"""Loads on rigid blocks, in the plane and in three dimensions: forces and where they act."""
+"""Loads on rigid blocks, in the plane and in three dimensions: forces and their places."""
 
 from collections.abc import Sequence
 from functools import singledispatch
@@ -15,8 +15,8 @@ from lacore.reporting import terms
 from lacore.reporting.errors import InputError, suggest
 from lacore.reporting.text import Term, text
 
-_BENT = 1e-9  # of the largest value: round-off of a linear field
-# Quadrature on triangles and tetrahedra, exact of degree 2: the product of a linear force and its
+_BENT = 1e-9  # by the largest value: round-off of a linear field
+# Quadrature on triangles and tetrahedra, exact to degree 2: the product of a linear force and its
 # lever. Rows are the barycentric coordinates of the points, whose weights are equal.
 _NEAR, _FAR = (5 + 3 * np.sqrt(5)) / 20, (5 - np.sqrt(5)) / 20
 _RULES = {
@@ -30,11 +30,7 @@ Carried = tuple[Ints, Floats, Floats]
 
 @singledispatch
 def carried(load: Load, body: RigidBlocks) -> Carried:
-    """The forces of a load on blocks.
-
-    Raises:
-        InputError: a load that acts on no block, or on several; a footing, water.
-    """
+    """Return the forces of a load on blocks."""
     raise TypeError(f"not a load: {type(load).__name__}")
 
 
@@ -110,7 +106,7 @@ def _point(load: PointForce, body: RigidBlocks) -> Carried:
 
 
 def named(body: RigidBlocks, where: str | tuple[str, ...] | None, field: str) -> Ints:
-    """Numbers of blocks from their names; None: of all."""
+    """Return the numbers of blocks from their names; None: all blocks."""
     if where is None:
         return np.arange(len(body.names))
     if not isinstance(where, str | Sequence):
@@ -127,11 +123,11 @@ def named(body: RigidBlocks, where: str | tuple[str, ...] | None, field: str) ->
 
 
 def _loaded_block(body: RigidBlocks, load: PointForce) -> tuple[Ints, Floats]:
-    """The block that a point force acts on, and where, shapes (1,) and (d, 1).
+    """Return the block that a point force acts on, and the place, shapes (1,) and (d, 1).
 
     Raises:
         InputError: a place on several blocks, or on none without the name of the one that carries
-            the force there, as on a rigid arm; a name of none.
+            the force there, as on a rigid arm; or an unknown name.
     """
     if isinstance(load.at, str):
         block = named(body, load.at, "PointForce.at")

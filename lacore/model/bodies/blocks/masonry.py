@@ -1,4 +1,4 @@
-"""Builders of block assemblies: walls in running bond, stacks, arches, what was drawn."""
+"""Builders of block assemblies: walls in running bond, stacks, arches, drawings."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ Rows = Sequence[Sequence[float]]
 
 
 def rectangle(left: float, right: float, bottom: float, top: float) -> Floats:
-    """Vertices (4, 2) of an upright rectangle, counterclockwise.
+    """Return the vertices (4, 2) of an upright rectangle, counterclockwise.
 
     Example:
         >>> la.masonry.rectangle(left=0, right=2, bottom=0, top=1).tolist()
@@ -58,20 +58,20 @@ def running_bond(
     base: bool = True,
     joint_friction: JointFriction | None = None,
 ) -> BlockAssembly:
-    """A wall from its courses, its lower left corner at the origin.
+    """Return a wall from its courses, with its lower left corner at the origin.
 
-    Blocks are called ``c1b1`` (course from the bottom, place from the left, openings not counted).
+    Blocks are named ``c1b1`` (course from the bottom, place from the left, openings not counted).
 
     Args:
-        rows: courses, bottom first, each from left to right: widths in blocks, an opening as
-            minus its width: ``[1, .5, -1, .5, 1]``; `regular_bond` and `random_bond` make some.
+        rows: courses, bottom first, each from left to right: widths in blocks, negative for
+            openings: ``[1, .5, -1, .5, 1]``; see `regular_bond` and `random_bond`.
         friction: law of all joints; `joint_friction` for single pairs.
         block: width and height of a block, m.
         base: whether a block ``base`` of full width, one block high, lies below ``y = 0``.
 
     Raises:
-        InputError: courses that differ in width, an empty course, a width of 0; what
-            `BlockAssembly` refuses.
+        InputError: courses that differ in width, an empty course, a width of 0; anything that
+            `BlockAssembly` rejects.
 
     Example:
         >>> wall = la.masonry.running_bond([[1, 1], [0.5, 1, 0.5], [1, 1]], friction=0.6)
@@ -96,7 +96,7 @@ def running_bond(
 
 
 def _joints_of_courses(rows: Rows) -> list[Floats]:
-    """Ends of all entries of each course, from 0 on, in blocks."""
+    """Return the ends of all entries of each course, from 0 on, in blocks."""
     if not isinstance(rows, Sequence | np.ndarray) or not len(rows):
         raise InputError("running_bond.rows", rows, "there is no course", "give at least one")
     ends = []
@@ -122,7 +122,7 @@ def stack(
     friction: float | Friction,
     joint_friction: JointFriction | None = None,
 ) -> BlockAssembly:
-    """Blocks "1", "2", ... on top of each other, centred over x = 0, on a block "base".
+    """Return blocks "1", "2", ... on top of each other, centred over x = 0, on a block "base".
 
     Args:
         sizes: width and height of each block, m, bottom first; the base is as wide as the widest.
@@ -151,15 +151,16 @@ def arch(
     embrace: float = pi,
     joint_friction: JointFriction | None = None,
 ) -> BlockAssembly:
-    """A circular arch of equal voussoirs "1", "2", ... between springings "left" and "right".
+    """Return a circular arch of equal voussoirs between springings "left" and "right".
 
-    The centre of the circles is the origin, and the arch is symmetric about x = 0. Joints are
-    radial; the faces between them are chords. The springings are rectangles, `thickness` deep,
-    on the outer sides of the first and last joint.
+    The voussoirs are named "1", "2", ... from left to right. The centre of the circles is the
+    origin, and the arch is symmetric about x = 0. Joints are radial; the faces between them are
+    chords. The springings are rectangles, `thickness` deep, on the outer sides of the first and
+    last joint.
 
     Args:
-        voussoirs: how many, from left to right.
-        inner_radius: of the circle through the inner corners, m.
+        voussoirs: number of voussoirs.
+        inner_radius: radius of the circle through the inner corners, m.
         thickness: length of a joint, m.
         friction: law of all joints; `joint_friction` for single pairs.
         embrace: angle of the arch at the centre, rad; pi is a semicircle.
@@ -179,7 +180,7 @@ def arch(
     angle = pi / 2 + embrace * np.linspace(0.5, -0.5, voussoirs + 1)
     radial = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     inner, outer = inner_radius * radial, (inner_radius + thickness) * radial
-    # A quarter turn ahead of the first joint and behind the last: away from the arch.
+    # A quarter turn before the first joint and after the last, away from the arch.
     beyond_left = thickness * radial[0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     beyond_right = thickness * radial[-1] @ np.array([[0.0, -1.0], [1.0, 0.0]])
     bodies = {

@@ -1,18 +1,18 @@
-"""Corners of blocks that meet at a place: which motions drive them into each other.
+"""Corners of blocks that meet at a place, and the motions that make them overlap.
 
 At a place where corners of two blocks meet, each block fills a sector. A relative velocity v of the
-first against the second makes the sectors overlap unless it lies in half-planes ``n.v >= 0``, n the
-normals of edges there, from the second block into the first:
+first against the second makes the sectors overlap unless it lies in half-planes ``n.v >= 0``, where
+n are the normals of edges there, from the second block into the first:
 
-- both sectors convex: one half-plane is enough, of any edge that has the other block on its far
-  side altogether (a line that separates the two). Where the blocks share a face, that of the face
-  is the only one, and the joint keeps it. Where they touch at the corner alone there are two, and
-  no normal: what may move is not convex, and no contact law is defined.
+- both sectors convex: one half-plane is sufficient, of any edge with the other block entirely on
+  its far side (a line that separates the two). Where the blocks share a face, that of the face is
+  the only one, and the joint enforces it. Where they touch at the corner alone there are two, and
+  no normal: the admissible motions are not convex, and no contact law is defined.
 - one sector reentrant (above 180 degrees), the other block's corner in it: both of its edges.
 
-So contact at corners is not modelled. It is judged by the mechanism instead: a velocity that drives
-no corner into another is admissible with it, too, and reactions that are zero at corners carry it;
-one that does is no mechanism.
+Contact at corners is therefore not modelled. The mechanism is checked instead: a velocity that
+makes no corners overlap is also admissible with such contact, with zero reactions at corners; one
+that does is not a mechanism.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ from lacore.model.bodies.blocks.polygons import BlockEdges
 from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.showing import Compact
 
-_NEAR = 3.0  # tolerances: corners may be off a joint by its gap and by the least overlap
+_NEAR = 3.0  # in tolerances: corners may be off a joint by its gap and by the least overlap
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,10 +37,11 @@ class Meetings(Compact):
     Attributes:
         place: m, (2, k).
         first, second: block numbers, (k,).
-        normal: of the edges at the two corners, from the second block into the first, (2, 4, k).
-        asked: which of them count, (4, k): those that separate the two, or, of a reentrant corner,
-            both of its own.
-        reentrant: whether all that count are needed, and not one of them, (k,).
+        normal: normals of the edges at the two corners, from the second block into the first, (2,
+            4, k).
+        asked: which of them count, (4, k): those that separate the two, or both of a reentrant
+            corner.
+        reentrant: whether all that count are required, and not one of them, (k,).
         linked: whether a chain of joints that end there links the two blocks, (k,).
     """
 
@@ -54,11 +55,11 @@ class Meetings(Compact):
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of meetings."""
         return self.first.size
 
     def opening(self, relative: Floats) -> Floats:
-        """Speeds at which the corners part, (k,), m/s; below 0 they are driven together.
+        """Return the opening speeds of the corners, (k,), m/s; below 0 they overlap.
 
         Args:
             relative: velocities of the first block against the second there, (2, k).
@@ -70,11 +71,11 @@ class Meetings(Compact):
 
 
 def meetings(edges: BlockEdges, joints: Joints, tolerance: float) -> Meetings:
-    """Where corners of two blocks meet that no joint keeps apart altogether.
+    """Return where corners of two blocks meet that joints alone do not keep apart.
 
     Args:
-        edges: of all outlines, each block's in order around it; their starts are the corners.
-        joints: of all blocks.
+        edges: edges of all outlines, each block's in order around it; their starts are the corners.
+        joints: joints of all blocks.
         tolerance: m.
     """
     before = _before(edges)
@@ -113,7 +114,7 @@ def meetings(edges: BlockEdges, joints: Joints, tolerance: float) -> Meetings:
 
 
 def _before(edges: BlockEdges) -> Ints:
-    """The edge of the same block that ends where each edge starts, (n,)."""
+    """Return the edge of the same block that ends where each edge starts, (n,)."""
     number = np.arange(edges.block.size)
     before = number - 1
     first = np.flatnonzero(np.diff(edges.block, prepend=-1))
@@ -128,13 +129,13 @@ def _cross(a: Floats, b: Floats) -> Floats:
 def _links(
     edges: BlockEdges, joints: Joints, place: Floats, i: Ints, j: Ints, tolerance: float
 ) -> tuple[Bools, Bools]:
-    """Whether joints at the place link the two blocks in a chain, and whether one joint does."""
+    """Return whether joints at the place link the two blocks in a chain, and if one joint does."""
     lines = shapely.linestrings(np.stack([joints.start.T, joints.end.T], axis=1))
     meeting, joint = shapely.STRtree(lines).query(
         shapely.points(place.T), predicate="dwithin", distance=_NEAR * tolerance
     )
     first, second = edges.block[i], edges.block[j]
-    slave, master = joints.slave[joint], joints.master[joint]  # the slave comes last
+    slave, master = joints.slave[joint], joints.master[joint]  # The slave comes last.
     count = int(edges.block.max(initial=0)) + 1
     met = (np.arange(i.size) * count + first) * count + second
     jointed = np.isin(met, (meeting * count + master) * count + slave)
@@ -142,7 +143,7 @@ def _links(
 
 
 def linked_by_joints(meeting: Ints, slave: Ints, master: Ints, first: Ints, second: Ints) -> Bools:
-    """Whether a chain of joints around each meeting of two blocks leads from one to the other.
+    """Return whether a chain of joints around each meeting links its two blocks.
 
     Args:
         meeting: The meeting that each joint is at, (q,); a joint may be at several.

@@ -1,4 +1,4 @@
-"""Rigid motions of blocks, in the plane and in three dimensions, and those that supports permit."""
+"""Rigid motions of blocks, in the plane and in three dimensions, and those that supports allow."""
 
 from collections.abc import Iterable
 
@@ -9,20 +9,23 @@ from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.model.conditions.loads import Fix
 from lacore.numerics.arrays import Floats, Ints, Sparse
 
-_HELD = 1e-12  # squared, of the largest direction that supports hold; far above round-off
-_ROUND_OFF = 1e-14  # of a unit vector
+_HELD = 1e-12  # squared, by the largest held direction; far above round-off
+_ROUND_OFF = 1e-14  # by a unit vector
 _AXES = "xyz"
 _ROTATIONS = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
-"""By dimension, for each rotation the axis that it turns and the axis into which it turns it."""
+"""By dimension, for each rotation, the axis that turns and the axis into which it turns."""
 
 
 def motion_count(dimension: int) -> int:
-    """Number of unknowns of a rigid block: velocities of the centroid, then rotations."""
+    """Return the number of unknowns of a rigid block.
+
+    Velocities of the centroid, then rotations.
+    """
     return dimension + len(_ROTATIONS[dimension])
 
 
 def motions(body: RigidBlocks, blocks: Ints, points: Floats) -> Floats:
-    """Velocities of points of blocks per unknown of the blocks, (k, d, u).
+    """Return the velocities of points of blocks per unknown of the blocks, (k, d, u).
 
     The unknowns of a block are the velocity of its centroid and its radius times its rates of
     rotation, so that all are velocities (T70).
@@ -42,7 +45,7 @@ def motions(body: RigidBlocks, blocks: Ints, points: Floats) -> Floats:
 
 
 def free_motions(body: RigidBlocks, supports: Iterable[Fix]) -> Sparse:
-    """Basis of the motions of blocks that supports leave free, shape (u blocks, free)."""
+    """Return a basis of the motions of blocks that supports allow, shape (u blocks, free)."""
     u = motion_count(body.dimension)
     held = np.zeros((len(body.names), u, u))
     for support in supports:
@@ -59,13 +62,13 @@ def free_motions(body: RigidBlocks, supports: Iterable[Fix]) -> Sparse:
 
 
 def moving_blocks(body: RigidBlocks, supports: Iterable[Fix]) -> Ints:
-    """Numbers of the blocks that supports do not hold completely."""
+    """Return the numbers of the blocks that supports do not hold completely."""
     free = np.diff(free_motions(body, supports).indptr).reshape(len(body.names), -1)
     return np.flatnonzero(free.any(axis=1))
 
 
 def _complement(held: Floats) -> Sparse:
-    """Basis of the motions along no direction that is held, shape (u blocks, free).
+    """Return a basis of the motions orthogonal to held directions, shape (u blocks, free).
 
     Args:
         held: sums of the outer products of held directions with themselves, shape (blocks, u, u).
@@ -76,5 +79,5 @@ def _complement(held: Floats) -> Sparse:
     vectors[untouched] = np.eye(held.shape[1])
     vectors[np.abs(vectors) < _ROUND_OFF] = 0.0
     free = [axes[:, kept] for axes, kept in zip(vectors, is_free, strict=True)]
-    # From scipy 1.20 on, block_diag of arrays alone returns another kind of matrix, and warns.
+    # From scipy 1.20 on, block_diag of arrays alone returns a different kind of matrix, and warns.
     return csr_matrix(block_diag([csr_matrix((0, 0)), *free], format="csr"))

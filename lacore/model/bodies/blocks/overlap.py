@@ -1,4 +1,4 @@
-"""How deep two outlines lie in each other, in words."""
+"""Depth of the overlap of two outlines, as text."""
 
 import numpy as np
 import shapely
@@ -7,7 +7,7 @@ from lacore.reporting.showing import placed
 
 
 def depth_of(common: shapely.Geometry) -> float:
-    """The least width of what two outlines have in common, m, of its largest part."""
+    """Return the smallest width of the largest part of an overlap, m."""
     parts = shapely.get_parts(common)
     hull = shapely.convex_hull(parts[np.argmax(shapely.area(parts))])
     corners = shapely.get_coordinates(hull)
@@ -19,7 +19,7 @@ def depth_of(common: shapely.Geometry) -> float:
 
 
 def overlap_told(one: shapely.Geometry, other: shapely.Geometry) -> str:
-    """``overlap at (1.2, 0.5) m, 0.02 m deep, over 0.004 m^2`` of two outlines that do."""
+    """Return a text such as ``overlap at (1.2, 0.5) m, 0.02 m deep, over 0.004 m^2``."""
     common = shapely.intersection(one, other)
     middle = shapely.get_coordinates(shapely.point_on_surface(common))[0]
     said = f"{depth_of(common):.3g} m deep, over {common.area:.3g} m^2"

@@ -15,24 +15,25 @@ from lacore.reporting.text import Quantity, text
 
 Polygons = Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike]
 """Corners of each block, shape (n, 2), m, by its name, or numbered from 1."""
-_DEGENERATE = 1e-10  # area over squared perimeter; below it no inside is left in double precision
-_RESERVED = "|#"  # joints are called "a|b#2"
+# area divided by the squared perimeter, below which double precision leaves no interior
+_DEGENERATE = 1e-10
+_RESERVED = "|#"  # Joints are named "a|b#2".
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BlockEdges(Edges):
-    """Edges of all blocks, each block's one after the other; `block` numbers, (n,)."""
+    """Edges of all blocks, one block after the other; `block` numbers, (n,)."""
 
     block: Ints
 
 
 def read_polygons(blocks: Polygons, field: str) -> dict[str, Floats]:
-    """Vertices (k, 2) by name; a sequence is named "0", "1", ...
+    """Return the vertices (k, 2) by name; a sequence is named "0", "1", ...
 
     A last vertex that repeats the first is dropped.
 
     Raises:
-        InputError: no block, a name that is none, fewer than 3 vertices, vertices that are not
+        InputError: no block, an invalid name, fewer than 3 vertices, or vertices that are not
             finite.
     """
     if isinstance(blocks, Mapping):
@@ -50,7 +51,7 @@ def read_polygons(blocks: Polygons, field: str) -> dict[str, Floats]:
 
 
 def block_name(name: object, field: str) -> str:
-    """A name that a block may have; raises `InputError` of any other."""
+    """Return a valid block name; raises `InputError` for any other."""
     if isinstance(name, str) and name and not any(sign in name for sign in _RESERVED):
         return name
     raise InputError(
@@ -71,7 +72,7 @@ def _vertices(name: object, vertices: npt.ArrayLike, field: str) -> Floats:
     if not np.all(np.isfinite(points)):
         raise InputError(where, None, "has vertices that are not finite", "fix the coordinates")
     require_range(where, points)
-    if len(points) > 1 and np.array_equal(points[0], points[-1]):  # a copy, not a near point
+    if len(points) > 1 and np.array_equal(points[0], points[-1]):  # only an exact copy
         points = points[:-1]
     if len(points) < 3:
         raise InputError(
@@ -81,10 +82,10 @@ def _vertices(name: object, vertices: npt.ArrayLike, field: str) -> Floats:
 
 
 def counterclockwise(outlines: Mapping[str, Floats], field: str) -> Geometries:
-    """The blocks as polygons (B,), their outlines run counterclockwise.
+    """Return the blocks as polygons (B,) with counterclockwise outlines.
 
     Raises:
-        InputError: no area, an outline that crosses or touches itself.
+        InputError: no area, or an outline that crosses or touches itself.
     """
     counts = [len(points) for points in outlines.values()]
     rings = shapely.linearrings(
@@ -113,7 +114,7 @@ def counterclockwise(outlines: Mapping[str, Floats], field: str) -> Geometries:
 
 
 def outline_edges(polygons: Geometries, least: float) -> BlockEdges:
-    """Edges longer than `least` of counterclockwise polygons."""
+    """Return the edges longer than `least` of counterclockwise polygons."""
     points, block = shapely.get_coordinates(polygons, return_index=True)
     inside = block[1:] == block[:-1]
     start, end, block = points[:-1][inside].T, points[1:][inside].T, block[:-1][inside]
@@ -126,7 +127,7 @@ def outline_edges(polygons: Geometries, least: float) -> BlockEdges:
 
 def require_apart(names: Sequence[str], polygons: Geometries, tolerance: float, field: str) -> None:
     """Raise `InputError` where blocks overlap deeper than `tolerance` (m)."""
-    # Shrunk by half of it each, blocks that overlap less are apart, also in round-off.
+    # After shrinking by half of it each, blocks that overlap less are apart, also with round-off.
     core = shapely.buffer(polygons, -tolerance / 2, join_style="mitre")
     thin = np.flatnonzero(shapely.is_empty(core))
     if thin.size:
@@ -152,17 +153,17 @@ def require_apart(names: Sequence[str], polygons: Geometries, tolerance: float, 
 def require_no_slits(
     names: Sequence[str], polygons: Geometries, edges: BlockEdges, tolerance: float, field: str
 ) -> None:
-    """Raise `InputError` where blocks nearly touch.
+    """Raise `InputError` if blocks nearly touch.
 
-    That is, faces of two blocks with a gap between `tolerance` (m) and 1 % of the shorter edge,
-    unless another block reaches between them (a shim, say: then the gap is meant).
+    These are faces of two blocks with a gap between `tolerance` (m) and 1 % of the shorter edge,
+    unless another block, such as a shim, reaches between them.
     """
     slits = near_misses(edges, edges, tolerance)
     slits = slits.take(edges.block[slits.first] < edges.block[slits.second])
     if slits.first.size == 0:
         return
     across = edges.normal[:, slits.first] * slits.gap / 2
-    along = (slits.end - slits.start) * 0.1  # its ends touch the neighbours
+    along = (slits.end - slits.start) * 0.1  # The ends touch the neighbours.
     middle = np.stack([slits.start + across + along, slits.end + across - along])
     lines = shapely.linestrings(np.transpose(middle, (2, 0, 1)))
     slit, block = shapely.STRtree(polygons).query(lines, predicate="intersects")
@@ -188,5 +189,5 @@ def require_no_slits(
 
 
 def _named(names: Sequence[str], which: Ints) -> list[str]:
-    """The first few, for messages."""
+    """Return the first few names, for messages."""
     return [names[number] for number in which[:5]]

@@ -1,4 +1,4 @@
-"""Assemblies of rigid blocks, in the plane or in three dimensions: what both have in common.
+"""Common parts of plane and three-dimensional assemblies of rigid blocks.
 
 A facet of a block is an edge of a polygon, or a plane face of a polyhedron.
 """
@@ -49,9 +49,9 @@ class CrushingPoints(Compact):
 
     Attributes:
         block: number of the slave, (m,).
-        position: (3, m), m.
-        normal: from the master into the slave, (3, m).
-        area: (m,), m^2.
+        position: places, (3, m), m.
+        normal: normals from the master into the slave, (3, m).
+        area: areas, (m,), m^2.
         strength: largest pressure, Pa.
     """
 
@@ -63,15 +63,15 @@ class CrushingPoints(Compact):
 
 
 class RigidBlocks(Shown):
-    """Rigid blocks and the joints between them; a dataclass of its own adds their geometry.
+    """Rigid blocks and the joints between them; dataclasses of each dimension add their geometry.
 
     Attributes:
         blocks: the geometry of each block by name.
         friction: law of all joints.
         joint_friction: other laws for single pairs ``(name, name)``.
         tolerance: distance up to which coordinates count as equal, m.
-        names: of the blocks, (B,).
-        centroid: (d, B), m.
+        names: names of the blocks, (B,).
+        centroid: centroids, (d, B), m.
         radius: largest distance of a vertex from the centroid, (B,), m.
         size: diagonal of the bounding box, m.
         joints: see `Joints` and `Joints3D`.
@@ -82,8 +82,8 @@ class RigidBlocks(Shown):
     facet: ClassVar[str]
     """Name of a facet."""
     rim: ClassVar[str]
-    """Name of what bounds facets: blocks that meet there only have no joint."""
-    pointwise: ClassVar[bool] = False  # blocks touch other bodies along facets
+    """Name of the boundary of facets: blocks that meet only there have no joint."""
+    pointwise: ClassVar[bool] = False  # Blocks touch other bodies along facets.
     deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
     friction: float | Friction
@@ -117,16 +117,19 @@ class RigidBlocks(Shown):
 
     @property
     def crushing_points(self) -> CrushingPoints | None:
-        """Points of joints of limited compressive strength; None where no joint crushes."""
+        """Points of joints of limited compressive strength; None without crushing."""
         return None
 
     @abstractmethod
     def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:
-        """Numbers of the facets that a predicate selects, ascending."""
+        """Return the numbers of the facets that a predicate selects, ascending."""
 
     @abstractmethod
     def rims(self, facets: Ints) -> tuple[Floats, Floats, Ints]:
-        """Corners of facets, (d, k), m, the normals there, (d, k), and their blocks, (k,)."""
+        """Return the corners of facets, (d, k), m, their normals, (d, k), and their blocks.
+
+        The shape is (k,).
+        """
 
     @abstractmethod
     def geometry_of(self, facets: Ints) -> tuple[Floats, Floats, Floats]:
@@ -134,7 +137,7 @@ class RigidBlocks(Shown):
 
     @abstractmethod
     def simplices(self, blocks: Ints) -> tuple[Floats, Floats, Ints]:
-        """Triangles or tetrahedra that make up blocks.
+        """Return the triangles or tetrahedra that make up blocks.
 
         Returns:
             corners (d, d + 1, t), m; areas, m^2, or volumes, m^3, (t,), which are negative where a
@@ -143,7 +146,7 @@ class RigidBlocks(Shown):
 
     @abstractmethod
     def away(self, place: Floats) -> Floats:
-        """Distances of a place, (d,), from all blocks, m, (B,); at most 0 inside."""
+        """Return the distances of a place, (d,), from all blocks, m, (B,); at most 0 inside."""
 
     @property
     @abstractmethod
@@ -157,7 +160,7 @@ class RigidBlocks(Shown):
 
     @abstractmethod
     def check_load(self, load: Load, field: str) -> None:
-        """Raise `InputError` where no block carries a load."""
+        """Raise `InputError` if no block carries a load."""
 
     @abstractmethod
     def check_contact(
@@ -172,13 +175,13 @@ class RigidBlocks(Shown):
 
     @property
     def contents(self) -> str:
-        """``13 rigid blocks, 22 joints``, ``36 rigid blocks in space, 48 joints``."""
+        """Text such as ``13 rigid blocks, 22 joints``."""
         space = " in space" if self.dimension == 3 else ""
         blocks = counted(len(self.names), "rigid block")
         return f"{blocks}{space}, {counted(self.joints.count, 'joint')}"
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the contents, for printing."""
         laws = self.joint_friction or {}
         measure = f"{self.measure.sum():.4g} m^{self.dimension}"
         told = {
@@ -203,25 +206,26 @@ class RigidBlocks(Shown):
     @property
     def allowed(self) -> float:
         """Distance up to which coordinates count as equal, m."""
-        assert self.tolerance is not None  # since it was built
+        assert self.tolerance is not None  # set in the constructor
         return self.tolerance
 
     def blocks_of(self, facets: Ints) -> Ints:
-        """The blocks of facets."""
+        """Return the blocks of facets."""
         return np.asarray(self.facet_blocks[facets])
 
     def with_points(self, points: Iterable[Sequence[float]]) -> Self:
-        """Itself: point forces act anywhere on blocks."""
+        """Return the same body, because point forces act anywhere on blocks."""
         return self
 
     def outline(self, where: Where, field: str) -> Ints:
-        """Numbers of the facets of the part `where` of the blocks, ascending.
+        """Return the numbers of the facets of the part `where` of the blocks, ascending.
 
         A name, or a tuple of names, selects whole blocks. A predicate gets coordinates (d, n) and
         returns a mask (n,), see `facets_inside`.
 
         Raises:
-            InputError: unknown name, nothing selected, a predicate that fails; it names `field`.
+            InputError: an unknown name, nothing selected, or a predicate that fails; it names
+                `field`.
         """
         if callable(where):
             chosen = self.facets_inside(where, field)
@@ -243,7 +247,7 @@ class RigidBlocks(Shown):
 
 
 def require_resolved(tolerance: float, coordinates: Floats, field: str) -> float:
-    """The tolerance of an assembly, m.
+    """Return the tolerance of an assembly, m.
 
     Raises:
         InputError: floating-point coordinates, m, do not resolve it.

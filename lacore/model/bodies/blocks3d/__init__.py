@@ -1,4 +1,4 @@
-"""Assemblies of rigid blocks in space: polyhedra, the joints between them, their unknowns."""
+"""Three-dimensional assemblies of rigid blocks: polyhedra, their joints and unknowns."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Blocks in space that lie in each other, or touch: found by their convex pieces."""
+"""Search for three-dimensional blocks that overlap or touch, by their convex pieces."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,14 +16,14 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Quantity, text
 
-_NEAR = 3.0  # tolerances: places may be off a joint by its gap and by the least overlap
+_NEAR = 3.0  # in tolerances: places may be off a joint by its gap and by the least overlap
 
 
 def require_apart(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: str) -> None:
-    """Raise `InputError` where blocks lie in each other by more than `tolerance` (m).
+    """Raise `InputError` if blocks overlap by more than `tolerance` (m).
 
-    How deep is the diameter of the largest ball that convex pieces of both contain: of a layer its
-    thickness.
+    The depth is the diameter of the largest ball within convex pieces of both; for a layer it is
+    the thickness.
     """
     first, second, radius, centre = _common_balls(list(polyhedra.values()), tolerance)[:4]
     deep = np.flatnonzero(2 * radius > tolerance)
@@ -45,18 +45,18 @@ def require_apart(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: 
 def meeting_alone(
     polyhedra: Sequence[Polyhedron], joints: Joints3D, tolerance: float
 ) -> tuple[Ints, Ints, Floats]:
-    """Pairs of blocks that meet with an edge or a corner where nothing else is.
+    """Return the pairs of blocks that meet with an edge or a corner without other contact.
 
     They touch, have no joint, and no chain of joints around the place leads from one to the other.
-    Neighbours across an edge of a wall have one: what lies between them keeps them apart.
+    Neighbours across an edge of a wall have one: the blocks between them keep them apart.
 
     Args:
         polyhedra: all blocks.
-        joints: theirs, with contact points at corners.
+        joints: their joints, with contact points at corners.
         tolerance: m.
 
     Returns:
-        numbers of both blocks, (k,) each, and the middle of where they touch, (3, k), m.
+        numbers of both blocks, (k,) each, and the middle of their contact, (3, k), m.
     """
     first, second, radius, centre, both = _common_balls(polyhedra, -tolerance)
     count = len(polyhedra)
@@ -75,7 +75,7 @@ def meeting_alone(
 
 
 def _joints_at(joints: Joints3D, place: Floats, reach: float) -> tuple[Ints, Ints]:
-    """Numbers of places (3, k) and of joints that come as near as `reach` (m), pair by pair."""
+    """Return the numbers of places (3, k) and of joints within `reach` (m), pair by pair."""
     begin = np.flatnonzero(np.diff(joints.joint, prepend=-1))
     ends = [np.zeros((3, 0))] * 2
     if begin.size:
@@ -101,11 +101,11 @@ def _joints_at(joints: Joints3D, place: Floats, reach: float) -> tuple[Ints, Int
 def _common_balls(
     blocks: Sequence[Polyhedron], depth: float
 ) -> tuple[Ints, Ints, Floats, Floats, Ints]:
-    """Pairs of blocks that may be deeper in each other than `depth` (m; below 0: or that near).
+    """Return the pairs of blocks that may overlap by more than `depth` (m; < 0: a distance).
 
     Returns:
         numbers of both, (k,) each, sorted; radii (k,) and centres (3, k), m, of the largest balls
-        in convex pieces of both; these, by number among the pieces of all, (2, k).
+        in convex pieces of both; the numbers of these pieces among all, (2, k).
     """
     corners = [own.box for own in blocks]
     low, high = (np.stack([box[end] for box in corners], axis=1) for end in (0, 1))

@@ -33,14 +33,14 @@ from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.showing import Facts, counted, short
 from lacore.reporting.text import text
 
-_TOLERANCE = 1e-6  # of the mean block size
+_TOLERANCE = 1e-6  # by the mean block size
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BlockAssembly3D(RigidBlocks):
     """Three-dimensional rigid blocks and the joints between them (T70, T71).
 
-    A joint is a plane polygon that faces of two blocks share: the faces look at each other, overlap
+    A joint is a plane polygon that faces of two blocks share: the faces face each other, overlap
     with an area, and are at most `tolerance` apart. The contact points of a joint are the corners
     of the convex hull of each of its pieces, with equal shares of the area. Edges and corners that
     touch make no joint.
@@ -52,19 +52,19 @@ class BlockAssembly3D(RigidBlocks):
         tolerance: Distance up to which faces touch, m. The default is 1e-6 of the mean block size
             (cubic root of the volume).
         crushing: Compressive strength of all joints, Pa, or `Crushing`; None: unlimited (T95).
-        names: Of the blocks, (B,).
-        volume: Of the blocks, (B,), m^3.
-        centroid: Of the blocks, (3, B), m.
+        names: Names of the blocks, (B,).
+        volume: Volumes of the blocks, (B,), m^3.
+        centroid: Centroids of the blocks, (3, B), m.
         radius: Largest distance of a vertex from the centroid, (B,), m, which scales rates of
             rotation to velocities.
         size: Diagonal of the bounding box, m.
         faces: Plane faces of all blocks.
-        face_centroid: Of the faces, (3, F), m.
+        face_centroid: Centroids of the faces, (3, F), m.
         joints: See `Joints3D`; the master is the block that comes first.
         joint_terms: Coefficient, limit, dilatancy and tension of the laws of joints, (4, J).
 
     Raises:
-        InputError: There is no block, or one that is no `Polyhedron`; blocks overlap, or nearly
+        InputError: There is no block, or one that is not a `Polyhedron`; blocks overlap, or nearly
             touch (a gap above `tolerance` and below 1 % of the width of a face); friction is
             negative or NaN; a pair of `joint_friction` is given twice, is unknown, or shares no
             joint. The message names the blocks.
@@ -128,7 +128,7 @@ class BlockAssembly3D(RigidBlocks):
             object.__setattr__(self, name, value)
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the contents, for printing."""
         facts = super().facts()
         if (law := crushing_of(self.crushing)) is None:
             return facts
@@ -144,7 +144,7 @@ class BlockAssembly3D(RigidBlocks):
     @property
     def polyhedra(self) -> Mapping[str, Polyhedron]:
         """The blocks by name."""
-        assert isinstance(self.blocks, Mapping)  # since it was built
+        assert isinstance(self.blocks, Mapping)  # set in the constructor
         return self.blocks
 
     @property
@@ -167,20 +167,24 @@ class BlockAssembly3D(RigidBlocks):
         return CrushingPoints(block, own.points, normal, own.weight, law.strength)
 
     def rims(self, faces: Ints) -> tuple[Floats, Floats, Ints]:
-        """Corners of some faces, (3, k), m, normals there, (3, k), and blocks, (k,)."""
+        """Return the corners of some faces, (3, k), m, normals there, (3, k), and blocks, (k,)."""
         places, face = self.corners_of(faces)
         return places, self.faces.normal[:, face], self.faces.block[face]
 
     def geometry_of(self, faces: Ints) -> tuple[Floats, Floats, Floats]:
-        """Centroids of faces, m, and normals, (3, k) each, and areas, (k,), m^2."""
+        """Return the centroids of faces, m, and normals, (3, k) each, and areas, (k,), m^2."""
         return self.face_centroid[:, faces], self.faces.normal[:, faces], self.faces.area[faces]
 
     def away(self, place: Floats) -> Floats:
-        """How far a place is outside of the planes of the nearest convex piece of each block, m."""
+        """Return the distances of a place from the nearest convex piece of each block, m."""
         return np.array([_outside(block, place) for block in self.polyhedra.values()])
 
     def simplices(self, blocks: Ints) -> tuple[Floats, Floats, Ints]:
-        """Tetrahedra over the triangles of faces, (3, 4, t), m, volumes (t,), m^3, and blocks."""
+        """Return the tetrahedra over the triangles of faces.
+
+        Returns:
+            corners (3, 4, t), m, volumes (t,), m^3, and the block of each.
+        """
         found, owners = [], []
         for number in blocks.tolist():
             own = self.polyhedra[self.names[number]]
@@ -193,7 +197,7 @@ class BlockAssembly3D(RigidBlocks):
         return corner, np.sum(u * np.cross(v, w, axis=0), axis=0) / 6, np.concatenate(owners)
 
     def corners_of(self, faces: Ints) -> tuple[Floats, Ints]:
-        """Corners of some faces, (3, k), m, and the face of each, (k,)."""
+        """Return the corners of some faces, (3, k), m, and the face of each, (k,)."""
         face = self.faces.ring_face[self.faces.ring]
         own = np.flatnonzero(np.isin(face, faces))
         return self.faces.points[:, own] + self.faces.origin[:, None], face[own]
@@ -206,15 +210,15 @@ class BlockAssembly3D(RigidBlocks):
         return np.union1d(slave, master)
 
     def check_load(self, load: Load, field: str) -> None:
-        """Raise `InputError` where no block carries a load."""
+        """Raise `InputError` if no block carries a load."""
         carried(load, self)
 
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Raise `InputError` where a block touches nothing, or with an edge or a corner only.
+        """Raise `InputError` if a block touches nothing, or only with an edge or a corner.
 
-        Of blocks that crush wherever they touch what is not of this assembly.
+        Blocks that crush must touch only blocks of this assembly.
         """
         if self.crushing is not None and touched:
             raise InputError(
@@ -229,12 +233,12 @@ class BlockAssembly3D(RigidBlocks):
     def lone_meetings(self) -> tuple[Ints, Ints, Floats]:
         """See `meeting_alone`."""
         blocks, joints = list(self.polyhedra.values()), self.joints
-        if self.crushing is not None:  # points of cells are not at the rim
+        if self.crushing is not None:  # Points of cells are not at the rim.
             joints = find_joints(self.polyhedra, self.allowed)
         return meeting_alone(blocks, joints, self.allowed)
 
     def crushed(self, crushing: Crushing) -> BlockAssembly3D:
-        """Itself with joints that crush by another law."""
+        """Return the assembly with joints that crush by another law."""
         other = copy(self)
         joints = find_joints(self.polyhedra, self.allowed, crushing)
         for name, value in {"crushing": crushing, "joints": joints}.items():
@@ -242,7 +246,7 @@ class BlockAssembly3D(RigidBlocks):
         return other
 
     def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:
-        """Faces whose centroids satisfy a predicate.
+        """Return the faces whose centroids satisfy a predicate.
 
         Raises:
             InputError: a predicate that fails; it names the `field`.
@@ -251,7 +255,7 @@ class BlockAssembly3D(RigidBlocks):
 
 
 def _outside(block: Polyhedron, place: Floats) -> float:
-    """How far a place is outside of the planes of the nearest convex piece of a block, m."""
+    """Return the distance of a place from the planes of the nearest convex piece of a block, m."""
     return min(float((place @ piece.normal - piece.offset).max()) for piece in block.pieces)
 
 
@@ -275,7 +279,7 @@ def _read(
 
 
 def _length_tolerance(given: float | None, vertices: Floats, volume: Floats) -> float:
-    """The tolerance in m, refused where coordinates, (3, n), do not resolve it."""
+    """Return the tolerance in m; rejected if coordinates, (3, n), do not resolve it."""
     if given is not None:
         require_positive("BlockAssembly3D.tolerance", given)
     tolerance = float(_TOLERANCE * np.cbrt(volume).mean()) if given is None else float(given)

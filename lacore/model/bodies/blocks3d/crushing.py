@@ -1,9 +1,9 @@
-"""Joints that crush: pressure in cells, none above a strength, that replaces points at corners.
+"""Joints that crush: limited pressure in cells, in place of points at corners.
 
 A cell is a part of the joint under uniform pressure and friction. Its point is its centroid, where
-both have their resultant without a moment: what such cells carry, pressures on the joint carry, and
-a load that is in balance by them is a bound from below. With its strength at its corners in place
-of that it carries more than any pressure does (T95).
+both have their resultant without a moment. Pressures on the joint can carry what such cells carry,
+so a load that they balance is a lower bound. With its strength at its corners instead, a cell
+carries more than any pressure does (T95).
 """
 
 from dataclasses import dataclass
@@ -17,9 +17,11 @@ from lacore.numerics.arrays import Floats, Geometries, Ints
 from lacore.reporting.errors import InputError, require_count, require_known, require_positive
 from lacore.reporting.showing import Compact
 
-_MOST = 32  # divisions: rows at the edge are 1/2048 of the width by then, and cells thousands
-_SAME = 1e-10  # of the extent: corners of neighbours that are one point
-_CONVEX = 1e-9  # of the area of the hull: what a convex piece may lack by round-off
+# limit of divisions: rows at the edge are then 1/2048 of the width, and there are thousands of
+# cells
+_MOST = 32
+_SAME = 1e-10  # by the extent: corners of neighbours that are one point
+_CONVEX = 1e-9  # by the area of the hull: area that a convex piece may lack by round-off
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,9 +29,9 @@ class Cells(Compact):
     """Convex parts of joints.
 
     Attributes:
-        corners: (3, k), m, of one cell after the other, in order around it.
+        corners: corners of one cell after the other, in order around it, (3, k), m.
         cell: number of the cell of each corner, (k,), ascending.
-        joint: of each cell, (c,), ascending.
+        joint: joint of each cell, (c,), ascending.
     """
 
     corners: Floats
@@ -64,7 +66,7 @@ class Cells(Compact):
 
     @property
     def corner_area(self) -> Floats:
-        """Area that each corner stands for, a third of its triangles, (k,), m^2."""
+        """Area of each corner, a third of its triangles, (k,), m^2."""
         *corners, area = self._triangles
         shares = np.bincount(np.concatenate(corners), np.tile(area / 3, 3), self.cell.size)
         return shares.astype(np.float64)
@@ -76,15 +78,15 @@ class Crushing(Compact):
 
     Attributes:
         strength: largest pressure of a joint, Pa, > 0.
-        divisions: 1 <= n <= 32: of an edge of a joint from each of its corners to the middle. Of k
-            corners there are ``k n^2`` cells, which are thin at the rim and wide inside. More of
-            them carry more, up to what any pressure below the strength carries.
-        side: ``below``: uniform pressure in cells, no more than joints carry; ``above``: the
-            strength of cells at their corners, no less than joints carry.
-        cells: in place of those by divisions, as `lacore.crushing_bracket` makes them.
+        divisions: number n of divisions of an edge of a joint from each of its corners to the
+            middle, 1 to 32. A joint with k corners has ``k n^2`` cells, thin at the rim and wide
+            inside. More cells carry more, up to the limit for any pressure below the strength.
+        side: ``below``: uniform pressure in cells, which carries at most as much as the joint;
+            ``above``: the strength of cells at their corners, which carries at least as much.
+        cells: cells instead of those by divisions, as used by `lacore.crushing_bracket`.
 
     Raises:
-        InputError: a strength that is none, no such number of divisions, no such side.
+        InputError: an invalid strength, number of divisions, or side.
 
     Example:
         >>> weak = la.Crushing(5e6, divisions=4)  # Pa
@@ -107,19 +109,19 @@ class Crushing(Compact):
 
 
 def crushing_of(given: "float | Crushing | None") -> Crushing | None:
-    """A strength in Pa as `Crushing`."""
+    """Return a strength in Pa as `Crushing`."""
     return given if given is None or isinstance(given, Crushing) else Crushing(given)
 
 
 def cells(shared: Geometries, divisions: int, tolerance: float) -> tuple[Floats, Ints]:
-    """Cells of plane joints.
+    """Return the cells of plane joints.
 
-    A convex piece is cut at its centroid and at the middles of its edges into one quadrangle a
+    A convex piece is cut at its centroid and at the middles of its edges into one quadrangle per
     corner, and each of these by lines that are dense at the edges of the joint. Others are
     triangulated first.
 
     Args:
-        shared: polygons, (J,), m. `divisions`: see `Crushing`. `tolerance`: m.
+        shared: polygons of the joints, (J,), m. `divisions`: see `Crushing`. `tolerance`: m.
 
     Returns:
         corners, (2, c, 4), m, counterclockwise; the number of the polygon of each, (c,), ascending.
@@ -152,7 +154,10 @@ def cells(shared: Geometries, divisions: int, tolerance: float) -> tuple[Floats,
 
 
 def points_of(own: Cells, side: str) -> tuple[Floats, Ints, Floats]:
-    """Contact points of cells: places, (3, m), m, the joint of each, (m,), and its area, (m,)."""
+    """Return the contact points of cells: places, (3, m), m, the joint of each, (m,), and its area.
+
+    The shape is (m,).
+    """
     if side == "below":
         return own.centroid, own.joint, own.area
     joint = own.joint[own.cell]

@@ -1,4 +1,4 @@
-"""Plane faces of many polyhedra in one table, and which of them may meet."""
+"""Plane faces of many polyhedra in one table, and a search for faces that may meet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,22 +11,22 @@ from lacore.model.bodies.blocks3d.ranges import spread
 from lacore.numerics.arrays import Floats, Geometries, Ints
 from lacore.reporting.showing import Compact
 
-_TURN = 4.0  # tolerances that the far sides of two faces may be off, if each vertex is by one
-_TILT = 0.1  # rad; faces that lean more against each other are not the two sides of a joint
+_TURN = 4.0  # in tolerances: distance of the far sides of two faces, if each vertex is off by one
+_TILT = 0.1  # rad; faces at larger angles are not the two sides of a joint
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Faces(Compact):
-    """Plane faces of blocks, each block's one after the other.
+    """Plane faces of blocks, one block after the other.
 
     Attributes:
-        origin: (3,), m: all places count from here, so that none loses digits far from zero.
+        origin: origin of all places, (3,), m, so that none loses digits far from zero.
         block: number, (F,). `rank`: of the block, by its place and not by its number, (F,).
         normal: outward, (3, F). `offset`: ``normal.x``, m, (F,). `area`: m^2, (F,).
         low, high: bounding boxes, (3, F), m.
         width: area over twice the distance of its farthest corner from its centroid, (F,), m.
         points: vertices of all rings, (3, p), m, and the number of the ring, `ring`, (p,).
-        ring_face: of each ring, (r,), ascending.
+        ring_face: face of each ring, (r,), ascending.
     """
 
     origin: Floats
@@ -44,17 +44,17 @@ class Faces(Compact):
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of faces."""
         return self.block.size
 
 
 def faces_of(polyhedra: Sequence[Polyhedron]) -> Faces:
-    """The plane faces of all blocks."""
+    """Return the plane faces of all blocks."""
     counts = np.array([own.area.size for own in polyhedra])
     block = np.repeat(np.arange(counts.size), counts)
     centroids = np.stack([own.centroid for own in polyhedra])
     ordered = np.lexsort(centroids.T[::-1])
-    origin = centroids[ordered].mean(axis=0)  # the same, whichever block is listed first
+    origin = centroids[ordered].mean(axis=0)  # independent of the order of the blocks
     rank = np.empty_like(ordered)
     rank[ordered] = np.arange(ordered.size)
 
@@ -69,7 +69,7 @@ def faces_of(polyhedra: Sequence[Polyhedron]) -> Faces:
     ring = np.repeat(np.arange(len(rings)), [len(own) for own in rings])
     points = vertices[np.concatenate(rings) + moved[ring]] - origin
 
-    order = np.argsort(ring_face, kind="stable")  # holes behind the outline of their face
+    order = np.argsort(ring_face, kind="stable")  # Holes come after the outline of their face.
     turned = np.empty_like(order)
     turned[order] = np.arange(order.size)
     place = np.argsort(turned[ring], kind="stable")
@@ -99,13 +99,13 @@ def faces_of(polyhedra: Sequence[Polyhedron]) -> Faces:
 
 
 def facing(faces: Faces, reach: float, tilt: float = _TURN) -> tuple[Ints, Ints]:
-    """Pairs of faces of two blocks that look at each other and whose boxes meet.
+    """Return the pairs of facing faces of two blocks whose boxes meet.
 
-    The first of a pair belongs to the block that lies lower (see `Faces.rank`): its number does
-    not depend on the order of the blocks.
+    The first of a pair belongs to the block that lies lower (see `Faces.rank`): its number does not
+    depend on the order of the blocks.
 
     Args:
-        faces: of all blocks.
+        faces: faces of all blocks.
         reach: distance up to which boxes meet, m.
         tilt: how many times `reach` the narrower of the two may rise over its width.
     """
@@ -121,7 +121,7 @@ def facing(faces: Faces, reach: float, tilt: float = _TURN) -> tuple[Ints, Ints]
 
 
 def boxes_that_meet(low: Floats, high: Floats, reach: float) -> tuple[Ints, Ints]:
-    """Pairs ``first < second`` of boxes that are at most `reach` (m) apart along each axis.
+    """Return the pairs ``first < second`` of boxes within `reach` (m) along each axis.
 
     They are found in the plane of the two longest axes of all, where most differ.
     """
@@ -141,13 +141,13 @@ def _swapped(first: Ints, second: Ints, rank: Ints) -> tuple[Ints, Ints]:
 
 
 def flat_polygons(faces: Faces, which: Ints, one: Floats, two: Floats) -> Geometries:
-    """Faces as polygons in planes through the origin.
+    """Return faces as polygons in planes through the origin.
 
     Args:
-        faces: of all blocks. `which`: of them, (k,), repeated or not.
-        one, two: the axes of the plane of each, (3, k).
+        faces: faces of all blocks. `which`: numbers of the wanted ones, (k,), repeated or not.
+        one, two: axes of the plane of each, (3, k).
     """
-    # Rings of the wanted faces, and points of the wanted rings: ranges one after the other.
+    # Ranges of rings of the wanted faces, and of points of these rings, joined.
     rings, wanted = spread(faces.ring_face, which, faces.count)
     points, ring = spread(faces.ring, rings, faces.ring_face.size)
     place = faces.points[:, points]

@@ -7,14 +7,15 @@ from lacore.numerics.arrays import Floats, Geometries, Ints
 
 
 def hull_corners(shared: Geometries, tolerance: float) -> tuple[Floats, Ints]:
-    """Corners of convex hulls, (2, m), counterclockwise, and the number of the hull of each, (m,).
+    """Return the corners of convex hulls, (2, m), and the number of the hull of each, (m,).
 
-    Points that lie on the line of their neighbours, to the tolerance (m), are no corners.
+    They are counterclockwise. Points on the line of their neighbours, to the tolerance (m), are not
+    corners.
     """
     hull = shapely.convex_hull(shared)
     place, joint = shapely.get_coordinates(shapely.get_exterior_ring(hull), return_index=True)
     place, joint = _opened(place, joint)
-    # Each ring begins where it is farthest from its middle: a corner, which simplifying keeps.
+    # Each ring begins where it is farthest from its middle, at a corner that simplifying keeps.
     count = np.bincount(joint, minlength=shared.size)
     begin = np.cumsum(count) - count
     middle = np.stack([np.bincount(joint, own, shared.size) for own in place.T], axis=1)
@@ -31,6 +32,6 @@ def hull_corners(shared: Geometries, tolerance: float) -> tuple[Floats, Ints]:
 
 
 def _opened(place: Floats, ring: Ints) -> tuple[Floats, Ints]:
-    """Points of rings without the last of each, which repeats the first."""
+    """Return the points of rings without the last of each, which repeats the first."""
     kept = np.diff(ring, append=-1) == 0
     return place[kept], ring[kept]

@@ -1,4 +1,4 @@
-"""Joints of blocks in space: where two plane faces share an area (T71)."""
+"""Joints of three-dimensional blocks: shared areas of two plane faces (T71)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -21,19 +21,20 @@ _POLYGON = 3  # type number of shapely
 class Joints3D(Compact):
     """Areas that two faces share, and the contact points at their corners (T71, T72).
 
-    Where joints crush these are the centroids of cells in place of corners (T95). Sorted by master,
-    slave, and their faces. Two blocks may share several.
+    For joints that crush, the contact points are the centroids of cells (T95). Joints are sorted by
+    master, slave, and their faces. Two blocks may share several.
 
     Attributes:
         slave, master: block numbers, (J,); the master comes first in the assembly.
         slave_face, master_face: plane faces, numbered in their blocks, (J,).
         normal: unit normal from the master into the slave, (3, J).
-        area: m^2, (J,): what is shared, of a piece that is not convex less than its hull.
+        area: shared area, m^2, (J,); for a piece that is not convex it is less than that of its
+            hull.
         points: contact points, (3, m), m: corners of the convex hulls of the joints, each joint's
             one after the other, counterclockwise about its normal.
         joint: number of the joint of each point, (m,).
         weight: area of the joint over its number of points, or that of the cell, (m,), m^2.
-        cells: of joints that crush; None elsewhere.
+        cells: cells of joints that crush; else None.
     """
 
     slave: Ints
@@ -49,7 +50,7 @@ class Joints3D(Compact):
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of joints."""
         return self.slave.size
 
     @property
@@ -62,16 +63,16 @@ class Joints3D(Compact):
 def find_joints(
     polyhedra: Mapping[str, Polyhedron], tolerance: float, crushing: Crushing | None = None
 ) -> Joints3D:
-    """The joints of blocks.
+    """Return the joints of blocks.
 
-    Two faces make one where they lie in one plane, look at each other, and overlap on more than a
-    strip as wide as the tolerance. What does not depend on the order of the blocks is the same to
-    the last digit in whichever order they are given.
+    Two faces form a joint if they lie in one plane, face each other, and overlap on more than a
+    strip as wide as the tolerance. Results that do not depend on the order of the blocks are equal
+    to the last digit for any order.
 
     Args:
-        polyhedra: by name.
-        tolerance: m: how far the two faces may be apart, or in each other.
-        crushing: of joints that have cells in place of corners.
+        polyhedra: polyhedra by name.
+        tolerance: m: largest gap or overlap of the two faces.
+        crushing: law of joints with cells instead of corners.
     """
     faces = faces_of(list(polyhedra.values()))
     first, second = facing(faces, tolerance)
@@ -119,7 +120,7 @@ def find_joints(
 def shared_pieces(
     faces: Faces, first: Ints, second: Ints, one: Floats, two: Floats, width: float
 ) -> tuple[Ints, Geometries]:
-    """Polygons in which faces overlap as seen along the normal, wider than `width` (m).
+    """Return the polygons in which faces overlap along the normal, wider than `width` (m).
 
     Returns:
         the number of its pair, (k,), and each polygon, (k,), in the axes of its pair.
@@ -136,12 +137,12 @@ def shared_pieces(
 def gaps(
     faces: Faces, first: Ints, second: Ints, axes: tuple[Floats, Floats, Floats], flat: Floats
 ) -> tuple[Floats, Floats]:
-    """How high the first face lies, and how much higher the second, along normals, m, (k,) each.
+    """Return the height of the first face, and the gap to the second, along normals, m, (k,).
 
     Args:
-        faces: of all blocks.
-        first, second: which of them, (k,).
-        axes: normal, and the two axes of the plane in which places are counted, (3, k) each.
+        faces: faces of all blocks.
+        first, second: numbers of the pairs, (k,).
+        axes: normal, and the two axes of the plane of the places, (3, k) each.
         flat: the places, (2, k), m.
     """
     low, high = (_height(faces, which, *axes, flat) for which in (first, second))
@@ -151,7 +152,7 @@ def gaps(
 def _height(
     faces: Faces, which: Ints, normal: Floats, one: Floats, two: Floats, flat: Floats
 ) -> Floats:
-    """Where lines along `normal` meet the planes of faces, m, (m,)."""
+    """Return where lines along `normal` meet the planes of faces, m, (m,)."""
     own = faces.normal[:, which]
     across = np.sum(own * (one * flat[0] + two * flat[1]), axis=0)
     return np.asarray((faces.offset[which] - across) / np.sum(own * normal, axis=0))
@@ -167,9 +168,9 @@ def _sorted(
     points: Floats,
     joint: Ints,
 ) -> tuple[Joints3D, Ints]:
-    """The joints that are `kept`, by the numbers of their blocks, masters before slaves.
+    """Return the joints to keep, sorted by the numbers of their blocks, masters before slaves.
 
-    And the number of each that was given, -1 of those that are not kept.
+    The second value is the new number of each given joint, -1 if it is not kept.
     """
     turned = faces.block[first] > faces.block[second]
     slave, master = np.where(turned, first, second), np.where(turned, second, first)
@@ -181,7 +182,7 @@ def _sorted(
     label = np.full(first.size, -1)
     label[order] = np.arange(order.size)
     place = np.flatnonzero(label[joint] >= 0)
-    # Seen from the other side, corners that ran counterclockwise run clockwise.
+    # From the other side, counterclockwise corners are clockwise.
     inside = np.where(turned[joint[place]], -place, place)
     place = place[np.lexsort((inside, label[joint[place]]))]
     joint = label[joint[place]]

@@ -1,4 +1,4 @@
-"""Builders of blocks in space: domes, arches, vaults, walls, corners, stairs, what files hold."""
+"""Builders of three-dimensional blocks: domes, arches, vaults, walls, corners, stairs, files."""
 
 from lacore.model.bodies.blocks3d.builders.domes import dome
 from lacore.model.bodies.blocks3d.builders.prisms import extruded

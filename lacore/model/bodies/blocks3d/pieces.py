@@ -1,4 +1,4 @@
-"""Convex pieces of blocks, and the largest balls in what such pieces share."""
+"""Convex pieces of blocks, and the largest balls in the overlap of such pieces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity, text
 
-_SAME = 1e-9  # of the size of a block: corners that near are one
-_PARALLEL = 1e-9  # the product of three normals, of planes that meet in a point
-_MOST = 1000  # pieces of a block
-_TOGETHER = 200  # pieces in one linear program
+_SAME = 1e-9  # by the size of a block: distance within which corners are equal
+_PARALLEL = 1e-9  # product of three normals of planes that meet in a point
+_MOST = 1000  # limit of pieces of a block
+_TOGETHER = 200  # number of pieces in one linear program
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -25,7 +25,7 @@ class Piece(Compact):
     """A convex region ``normal.x <= offset``.
 
     Attributes:
-        normal: (3, f). `offset`: (f,), m.
+        normal: normals, (3, f). `offset`: offsets, (f,), m.
         points: its corners, (n, 3), m.
     """
 
@@ -34,12 +34,15 @@ class Piece(Compact):
     points: Floats
 
     def height(self, points: Floats) -> Floats:
-        """How far outside of each plane places (n, 3) lie, (n, f), m."""
+        """Return how far outside of each plane places (n, 3) lie, (n, f), m."""
         return points @ self.normal - self.offset
 
 
 def hull_of(normal: Floats, offset: Floats, points: Floats, tolerance: float) -> Piece:
-    """Vertices of a block (n, 3), and its faces with none farther outside than `tolerance` (m)."""
+    """Return the vertices of a block (n, 3) with its planes that have no vertex outside.
+
+    A vertex is outside if it is farther than `tolerance` (m).
+    """
     outer = (points @ normal - offset).max(axis=0) <= tolerance
     return Piece(normal[:, outer], offset[outer], points)
 
@@ -53,17 +56,18 @@ def convex_pieces(
     tolerance: float,
     field: str,
 ) -> tuple[Piece, ...]:
-    """The convex pieces into which the planes of its own faces cut a block.
+    """Return the convex pieces into which the planes of its faces cut a block.
 
-    A plane cuts what its face runs through; what is left is inside or outside altogether.
+    A plane cuts the pieces that its face intersects; the resulting pieces are completely inside or
+    outside.
 
     Args:
-        normal, offset: of its plane faces, outward, (3, f) and (f,).
+        normal, offset: outward normals and offsets of its plane faces, (3, f) and (f,).
         points: its vertices, (n, 3), m.
         outline: vertex numbers of the corners of all faces, (k,), and the face of each, (k,).
         triangles: corners of signed triangles that make up its surface, (t, 3, 3), m.
         tolerance: m: a plane with no vertex farther outside does not cut it.
-        field: named in errors.
+        field: name for errors.
 
     Raises:
         InputError: a surface that crosses itself, or has too many reentrant faces.
@@ -106,7 +110,7 @@ def convex_pieces(
 def _cut(
     cell: Piece, normal: Floats, offset: float, face: Floats, tolerance: float, near: float
 ) -> list[Piece]:
-    """A cell in two, where a face runs through it."""
+    """Return a cell cut in two if a face intersects it."""
     height = cell.points @ normal - offset
     beside = height.max() <= tolerance or height.min() >= -tolerance
     if beside or np.any(cell.height(face).min(axis=0) >= -tolerance):
@@ -122,7 +126,7 @@ def _cut(
 
 
 def _bounded(normal: Floats, offset: Floats, near: float) -> Piece:
-    """A region by its corners, without planes that it does not reach."""
+    """Return a region by its corners, without planes that it does not reach."""
     three = np.array(list(combinations(range(offset.size), 3)))
     planes = normal.T[three]
     place = three[np.abs(np.linalg.det(planes)) > _PARALLEL]
@@ -135,8 +139,8 @@ def _bounded(normal: Floats, offset: Floats, near: float) -> Piece:
 
 
 def _windings(places: Floats, triangles: Floats) -> Floats:
-    """How often a surface winds around places (3, k): solid angles of its triangles, summed."""
-    a, b, c = np.moveaxis(triangles[:, :, :, None] - places, 1, 0)  # (t, 3, k) each
+    """Return the winding number of a surface around places (3, k), by solid angles."""
+    a, b, c = np.moveaxis(triangles[:, :, :, None] - places, 1, 0)  # shape (t, 3, k) each
     la, lb, lc = (np.linalg.norm(own, axis=1) for own in (a, b, c))
     volume = np.sum(a * np.cross(b, c, axis=1), axis=1)
     below = la * lb * lc + np.sum(a * b, axis=1) * lc
@@ -146,7 +150,7 @@ def _windings(places: Floats, triangles: Floats) -> Floats:
 
 
 def kept_apart(pieces: Sequence[Piece], first: Ints, second: Ints, depth: float) -> Bools:
-    """Whether the plane of a face of either keeps two pieces apart, all but `depth` (m), (k,)."""
+    """Return whether the plane of a face separates two pieces, except for `depth` (m), (k,)."""
     faces = np.repeat(np.arange(len(pieces)), [own.offset.size for own in pieces])
     corners = np.repeat(np.arange(len(pieces)), [len(own.points) for own in pieces])
     normal = np.concatenate([own.normal for own in pieces], axis=1)
@@ -167,10 +171,10 @@ def kept_apart(pieces: Sequence[Piece], first: Ints, second: Ints, depth: float)
 def shared_middles(
     pieces: Sequence[Piece], first: Ints, second: Ints, reach: float, otherwise: Floats
 ) -> Floats:
-    """Mean of the corners of either of two pieces that the other has, to `reach` (m), (3, k).
+    """Return the mean of the corners of either piece that are in the other, to `reach` (m), (3, k).
 
-    Of pieces that touch along an edge that is its middle. Where there is no such corner, as of
-    edges that cross, it is the place that is given, (3, k).
+    For pieces that touch along an edge this is its middle. If there is no such corner, as for
+    crossing edges, it is the given place, (3, k).
     """
     faces = np.repeat(np.arange(len(pieces)), [own.offset.size for own in pieces])
     corners = np.repeat(np.arange(len(pieces)), [len(own.points) for own in pieces])
@@ -191,9 +195,9 @@ def shared_middles(
 
 
 def largest_balls(pairs: Sequence[tuple[Piece, Piece]]) -> tuple[Floats, Floats]:
-    """Radii (k,) and centres (3, k), m, of the largest balls in both of two pieces.
+    """Return radii (k,) and centres (3, k), m, of the largest balls in both of two pieces.
 
-    Of pieces that are apart the radius is minus half the distance.
+    For pieces that are apart, the radius is minus half the distance.
     """
     radius, centre = [np.zeros(0)], [np.zeros((3, 0))]
     for begin in range(0, len(pairs), _TOGETHER):
@@ -204,7 +208,7 @@ def largest_balls(pairs: Sequence[tuple[Piece, Piece]]) -> tuple[Floats, Floats]
 
 
 def _balls(pairs: Sequence[tuple[Piece, Piece]]) -> tuple[Floats, Floats]:
-    """By one linear program; lengths are counted in sizes of the smaller piece from its middle."""
+    """Solve one linear program, with lengths in sizes of the smaller piece from its middle."""
     near = np.stack([min(pair, key=_size).points.mean(axis=0) for pair in pairs], axis=1)
     size = np.array([min(map(_size, pair)) for pair in pairs])
     own = np.repeat(np.arange(len(pairs)), [a.offset.size + b.offset.size for a, b in pairs])
@@ -223,7 +227,7 @@ def _balls(pairs: Sequence[tuple[Piece, Piece]]) -> tuple[Floats, Floats]:
         lower=-unbounded,
         upper=unbounded,
     )
-    if found is None:  # of the time limit: each has a largest ball
+    if found is None:  # A largest ball always exists, so the time limit was reached.
         raise RuntimeError("whether blocks overlap was not found in time")
     ball = found.reshape(-1, 4).T * size
     return ball[3], near + ball[:3]

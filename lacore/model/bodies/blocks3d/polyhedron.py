@@ -1,4 +1,4 @@
-"""A rigid block in space: a polyhedron with plane faces."""
+"""Polyhedron with plane faces, a three-dimensional rigid block."""
 
 from __future__ import annotations
 
@@ -23,37 +23,37 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, require_positive, require_range
 from lacore.reporting.showing import Compact
 
-_TOLERANCE = 1e-6  # of the size of the block
-_DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
-_FLAT = 1e-10  # of the cube of its size: a block with less volume is none
+_TOLERANCE = 1e-6  # by the size of the block
+_DIGITS = 16 * np.finfo(float).eps  # by the coordinates: accuracy of their sums and products
+_FLAT = 1e-10  # volume, by the cube of the size, below which a block is degenerate
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Polyhedron(Compact):
     """A polyhedron with plane faces, convex or not (T70).
 
-    Its faces may be cut into polygons, triangles for instance: neighbours in one plane count as one
+    Its faces may be divided into polygons, such as triangles: neighbours in one plane count as one
     plane face.
 
     Attributes:
         vertices: (n, 3), m.
-        faces: vertex numbers of polygons, each in order around it. Kept so that all run
-            counterclockwise as seen from outside, however they were given.
+        faces: vertex numbers of polygons, each in order around it. They are stored counterclockwise
+            as seen from outside, for any given orientation.
         tolerance: m: how far a vertex may be off the plane of its face; if None 1e-6 of the
             diagonal of the bounding box.
         plane: number of the plane face to which each polygon belongs, (p,).
         rings: vertex numbers around the plane faces, counterclockwise as seen from outside, and
             clockwise around holes in them; `ring_face`: their plane faces, (r,).
         normal: unit normals of the plane faces, outward, (3, f).
-        area: of the plane faces, (f,), m^2. `face_centroid`: theirs, (3, f), m.
+        area: areas of the plane faces, (f,), m^2. `face_centroid`: their centroids, (3, f), m.
         offset: ``normal.x`` on each plane face, (f,), m.
-        volume: m^3. `centroid`: of the volume, (3,), m.
+        volume: volume, m^3. `centroid`: centroid of the volume, (3,), m.
         radius: largest distance of a vertex from the centroid, m.
         pieces: convex pieces, as half-spaces; one if no vertex lies outside the plane of a face by
             more than `tolerance`.
 
     Raises:
-        InputError: vertices that are not finite or that no face has; faces that are warped, without
+        InputError: vertices that are not finite or not on a face; faces that are warped, without
             area, crossed; a surface that is open, has one side only or several parts, meets or
             crosses itself; no volume.
 
@@ -97,7 +97,7 @@ class Polyhedron(Compact):
         volume, centroid = _volume(points, edges)
         if not abs(volume) > _FLAT * size**3:
             raise InputError("Polyhedron", None, "a block without volume", "fix its vertices")
-        if volume < 0:  # all faces look inward
+        if volume < 0:  # All faces are oriented inwards.
             reverse = _reversed(edges)
             edges = closed_again(reverse, edges.counts, len(points))
         plane = in_one_plane(points, edges, tolerance)
@@ -134,13 +134,13 @@ class Polyhedron(Compact):
 
     @property
     def convex(self) -> bool:
-        """Whether it is."""
+        """Whether it is convex."""
         return len(self.pieces) == 1
 
     @property
     def hull(self) -> Piece:
-        """Its vertices, and the planes of faces with none of them outside."""
-        assert self.tolerance is not None  # since it was built
+        """Its vertices, and the planes of faces that no vertex is outside of."""
+        assert self.tolerance is not None  # set in the constructor
         return hull_of(self.normal, self.offset, self.vertices, self.tolerance)
 
     @cached_property
@@ -148,7 +148,7 @@ class Polyhedron(Compact):
         """Vertex numbers of the ends of the edges between plane faces, (2, e)."""
         start = np.concatenate(self.rings)
         end = np.concatenate([np.roll(ring, -1) for ring in self.rings])
-        return np.stack([start, end])[:, start < end]  # each is run through twice
+        return np.stack([start, end])[:, start < end]  # each is traversed twice
 
     @property
     def box(self) -> tuple[Floats, Floats]:
@@ -181,25 +181,25 @@ def _points(vertices: npt.ArrayLike) -> Floats:
 
 
 def _reversed(edges: HalfEdges) -> Ints:
-    """Vertex numbers of all polygons run through backwards."""
+    """Return the vertex numbers of all polygons in reverse order."""
     last = edges.first + edges.counts - 1
     mirror = (edges.first + last)[edges.face] - np.arange(edges.start.size)
     return edges.start[mirror]
 
 
 def _volume(points: Floats, edges: HalfEdges) -> tuple[float, Floats]:
-    """Volume (below 0: faces look inward) and centroid, by tetrahedra over all triangles (T70)."""
-    origin = points.mean(axis=0)  # near: no digits are lost far from (0, 0, 0)
+    """Return volume (negative: faces inwards) and centroid, by tetrahedra over triangles (T70)."""
+    origin = points.mean(axis=0)  # a close origin, so that no digits are lost far from (0, 0, 0)
     triangle, middle = area_vectors(points - origin, edges)
     parts = np.sum(triangle * middle, axis=1) / 3
     volume = float(parts.sum())
-    with np.errstate(divide="ignore", invalid="ignore"):  # of none the caller tells
+    with np.errstate(divide="ignore", invalid="ignore"):  # The caller reports a zero volume.
         centroid = origin + 0.75 * (parts @ middle) / volume
     return volume, centroid
 
 
 def _plane_faces(points: Floats, edges: HalfEdges, plane: Ints) -> tuple[Floats, Floats, Floats]:
-    """Normals (3, f), areas and centroids (3, f) of plane faces."""
+    """Return the normals (3, f), areas and centroids (3, f) of plane faces."""
     origin = points.mean(axis=0)
     triangle, middle = area_vectors(points - origin, edges)
     face = plane[edges.face]
@@ -211,5 +211,5 @@ def _plane_faces(points: Floats, edges: HalfEdges, plane: Ints) -> tuple[Floats,
     low, high = np.full_like(centroid, np.inf), np.full_like(centroid, -np.inf)
     np.minimum.at(low.T, face, points[edges.start])
     np.maximum.at(high.T, face, points[edges.start])
-    # Without round-off in its box, so that `x[2] == 0.7` holds of a face at 0.7.
+    # The centroid is clipped to its box, so that `x[2] == 0.7` holds for a face at 0.7.
     return normal, area, np.clip(centroid + origin[:, None], low, high)

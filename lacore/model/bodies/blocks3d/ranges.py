@@ -6,7 +6,7 @@ from lacore.numerics.arrays import Ints
 
 
 def spread(label: Ints, wanted: Ints, labels: int) -> tuple[Ints, Ints]:
-    """Positions of wanted labels in an ascending list of labels, and which one each is of."""
+    """Return the positions of wanted labels in an ascending list, and the index of each."""
     count = np.bincount(label, minlength=labels)
     begin = (np.cumsum(count) - count)[wanted]
     number = count[wanted]

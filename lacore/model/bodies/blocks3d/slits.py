@@ -1,4 +1,4 @@
-"""Blocks in space that nearly touch: faces with a gap that is too small to be meant."""
+"""Three-dimensional blocks that nearly touch, with gaps too small to be intended."""
 
 from collections.abc import Mapping
 
@@ -16,11 +16,10 @@ from lacore.reporting.text import Quantity, text
 
 
 def require_no_slits(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: str) -> None:
-    """Raise `InputError` where blocks nearly touch.
+    """Raise `InputError` if blocks nearly touch.
 
-    That is, faces of two blocks that look at each other with a gap between `tolerance` (m) and 1 %
-    of the width of the narrower one (`Faces.width`), unless another block reaches between them: a
-    shim, say.
+    These are facing faces of two blocks with a gap between `tolerance` (m) and 1 % of the width of
+    the narrower one (`Faces.width`), unless another block, such as a shim, reaches between them.
     """
     blocks = list(polyhedra.values())
     faces = faces_of(blocks)
@@ -76,13 +75,13 @@ def require_no_slits(polyhedra: Mapping[str, Polyhedron], tolerance: float, fiel
 
 
 def _close(low: Floats, high: Floats, first: Ints, second: Ints, near: Floats) -> Bools:
-    """Whether two boxes are that near along each axis."""
+    """Return whether two boxes are within that distance along each axis."""
     apart = np.maximum(low[:, first] - high[:, second], low[:, second] - high[:, first])
     return np.asarray(apart.max(axis=0) <= near)
 
 
 def filled(blocks: list[Polyhedron], places: Floats) -> Bools:
-    """Whether places (3, k) lie in blocks, (k,)."""
+    """Return whether places (3, k) lie in blocks, (k,)."""
     inside = np.zeros(places.shape[1], dtype=bool)
     for block in blocks:
         low, high = block.box

@@ -1,4 +1,4 @@
-"""Surfaces of polygons: whether they close, which side is out, which faces lie in one plane."""
+"""Surfaces of polygons: whether they are closed, their orientation, and their plane faces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity, text
 
-_DEGENERATE = 1e-10  # area over squared perimeter; below it a polygon has no normal
+_DEGENERATE = 1e-10  # area divided by the squared perimeter, below which a polygon has no normal
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfEdges(Compact):
-    """Sides of polygons, each polygon's one after the other, as it is run through.
+    """Sides of polygons, one polygon after the other, in order around each.
 
     Attributes:
         start, end: vertex numbers, (h,).
-        face: the polygon, (h,); `first`: where each polygon begins, (p,).
+        face: the polygon, (h,); `first`: first side of each polygon, (p,).
         twin: the side of the neighbour along the same edge, (h,).
     """
 
@@ -40,12 +40,12 @@ class HalfEdges(Compact):
 
 
 def closed_surface(points: Floats, faces: Sequence[Sequence[int]], field: str) -> HalfEdges:
-    """The sides of polygons that close, turned so that neighbours agree on what is out.
+    """Return the sides of polygons of a closed surface, oriented consistently.
 
     Args:
         points: vertices, (n, 3), m.
         faces: vertex numbers of each polygon, in order around it, in either sense.
-        field: named in errors.
+        field: name for errors.
 
     Raises:
         InputError: no polygons, unknown or repeated vertices, an open edge, more than two polygons
@@ -87,7 +87,7 @@ def closed_surface(points: Floats, faces: Sequence[Sequence[int]], field: str) -
     start, end, face = edges
     turned = _turned(start, face, twin, counts.size, field)
     if turned.any():
-        # Run backwards, the sides of a polygon stand in the opposite order.
+        # In a reversed polygon the sides are in the opposite order.
         first = np.cumsum(counts) - counts
         last = first[face] + counts[face] - 1
         mirror = np.where(turned[face], first[face] + last - np.arange(face.size), 0)
@@ -97,7 +97,7 @@ def closed_surface(points: Floats, faces: Sequence[Sequence[int]], field: str) -
 
 
 def closed_again(flat: Ints, counts: Ints, points: int) -> HalfEdges:
-    """The sides of polygons that are known to close and to agree."""
+    """Return the sides of polygons that are known to be closed and consistent."""
     start, end, face = _sides(flat, counts)
     forward = np.argsort(start * points + end)
     backward = np.argsort(end * points + start)
@@ -107,7 +107,7 @@ def closed_again(flat: Ints, counts: Ints, points: int) -> HalfEdges:
 
 
 def _numbers(points: Floats, faces: Sequence[Sequence[int]], field: str) -> tuple[Ints, Ints]:
-    """All vertex numbers of polygons, and how many each has."""
+    """Return all vertex numbers of polygons, and the number of vertices of each."""
     try:
         listed = [list(face) for face in faces]
     except TypeError:
@@ -155,12 +155,12 @@ def _sides(flat: Ints, counts: Ints) -> tuple[Ints, Ints, Ints]:
 
 
 def _turned(start: Ints, face: Ints, twin: Ints, faces: int, field: str) -> Bools:
-    """Which polygons have to be run through backwards, (p,), for all to agree with the first.
+    """Return which polygons must be reversed, (p,), for all to agree with the first.
 
-    Each polygon is there twice, as given and turned. Neighbours that agree link their like ones,
-    others their unlike ones: a surface with two sides falls into two parts, one with one does not.
+    Each polygon is included twice, as given and reversed. Neighbours that agree link equal copies,
+    others opposite ones: a surface with two sides falls into two parts, one with one side does not.
     """
-    same = start == start[twin]  # both run from the same end: one of them is to be turned
+    same = start == start[twin]  # If both begin at the same end, one of them must be reversed.
     one, other = face, face[twin]
     row = np.concatenate([one, one + faces])
     column = np.concatenate([other + faces * same, other + faces * ~same])
@@ -181,7 +181,7 @@ def _turned(start: Ints, face: Ints, twin: Ints, faces: int, field: str) -> Bool
 
 
 def area_vectors(points: Floats, edges: HalfEdges) -> tuple[Floats, Floats]:
-    """Of each side the triangle with its polygon's first vertex: area vector and centroid.
+    """Return area vector and centroid of the triangle of each side and its polygon's first vertex.
 
     Returns:
         m^2 and m, (h, 3) each.
@@ -192,9 +192,9 @@ def area_vectors(points: Floats, edges: HalfEdges) -> tuple[Floats, Floats]:
 
 
 def axes_of(normal: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors normal to each unit normal, (3, f) each, right-handed with it.
+    """Return two unit vectors normal to each unit normal, (3, f) each, right-handed with it.
 
-    They are those that turn the nearest coordinate axes least.
+    They result from the smallest rotation of the closest coordinate axes.
     """
     size = np.abs(normal)
     helper = np.zeros_like(normal)
@@ -205,9 +205,10 @@ def axes_of(normal: Floats) -> tuple[Floats, Floats]:
 
 
 def require_polygons(points: Floats, edges: HalfEdges, tolerance: float, field: str) -> None:
-    """Raise `InputError` for polygons without area, warped by more than `tolerance` (m), crossed.
+    """Raise `InputError` for polygons without area, or that are warped or crossed.
 
-    It names the polygon and the place, and how far off that is.
+    They may be warped by `tolerance` (m). The error names the polygon, the place, and the
+    deviation.
     """
     triangle, _ = area_vectors(points, edges)
     vector = np.add.reduceat(triangle, edges.first)
@@ -270,10 +271,11 @@ def _rings(flat: Floats, ring: Ints) -> object:
 
 
 def in_one_plane(points: Floats, edges: HalfEdges, tolerance: float) -> Ints:
-    """Numbers of the plane faces that neighbouring polygons in one plane make up, (p,).
+    """Return the numbers of the plane faces of neighbouring polygons in one plane, (p,).
 
-    Neighbours belong together if turning one into the plane of the other moves it by at most
-    `tolerance` (m). Of a chain of them whose ends are not in one plane any more, each stays alone.
+    Neighbours belong together if rotating one into the plane of the other moves it by at most
+    `tolerance` (m). If the ends of a chain of them are not in one plane, each polygon stays
+    separate.
     """
     triangle, _ = area_vectors(points, edges)
     vector = np.add.reduceat(triangle, edges.first)
@@ -302,12 +304,12 @@ def in_one_plane(points: Floats, edges: HalfEdges, tolerance: float) -> Ints:
     label = np.where(alone, polygons + np.arange(polygons), part)
     _, first, number = np.unique(label, return_index=True, return_inverse=True)
     rank = np.empty_like(first)
-    rank[np.argsort(first)] = np.arange(first.size)  # numbered as the polygons are
+    rank[np.argsort(first)] = np.arange(first.size)  # numbered in the order of the polygons
     return rank[number]
 
 
 def outlines(edges: HalfEdges, plane: Ints) -> tuple[tuple[Ints, ...], Ints]:
-    """Rings of vertex numbers around plane faces, and the face of each ring.
+    """Return the rings of vertex numbers around plane faces, and the face of each ring.
 
     A face has one ring that runs counterclockwise as seen from outside, and one that runs clockwise
     around each hole.

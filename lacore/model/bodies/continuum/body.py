@@ -43,7 +43,7 @@ _QUADRILATERALS = Term("skfem.MeshQuad", 'mesh of shape = "quadrilaterals"')
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_NEAR = 1e-9  # of the body size: coordinates written in double precision agree to this
+_NEAR = 1e-9  # by the size of the body: coordinates in double precision agree to this
 
 GEOMETRIES = ("exact", "approximated")
 
@@ -56,28 +56,29 @@ class Body(Shown):
         mesh: straight-edged triangles (`skfem.MeshTri`), boundaries named; for the space ``q2``
             convex quadrilaterals (`skfem.MeshQuad`). ``p2-gauss`` and ``q2`` also take
             isoparametric meshes, whose edges are curves through their midside nodes
-            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31); in space tetrahedra (`skfem.MeshTet`).
-        criterion: yield criterion: `VonMises`, or one of your own with the four names of
+            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31). Three-dimensional bodies have tetrahedra
+            (`skfem.MeshTet`).
+        criterion: yield criterion: `VonMises`, or a user-defined one with the four members of
             `lacore.model.materials.criterion.Criterion`; or one for each region, by the names of
             ``mesh.subdomains``: ``{"fill": ..., "clay": ...}``, each element in one of them.
-        kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
-            body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
+        kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, about
+            the axis y = z, for a section with the radius x = r >= 0 (T27):
             forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
-            the axis by itself; spaces ``p2-gauss`` and ``q2``; or ``3d``, tetrahedra in space
+            the axis holds automatically; spaces ``p2-gauss`` and ``q2``; or ``3d``, tetrahedra
             (T89, T90), spaces ``p2-vertex``, ``p2-disc`` and ``p1-disc``.
         space: velocity space. Strict upper bounds: ``p2-vertex`` (T22), ``p2-disc`` and
             ``p1-disc`` with velocity jumps between elements (T23), ``p1`` where it does not lock.
             More accurate than bounds: ``p2-gauss``, ``q2`` (T22, T24).
         geometry: ``exact``, or ``approximated`` where straight edges replace a curved boundary:
-            then no value is called a bound. None: what the maker of the mesh says, such as
+            then no value is called a bound. None: the value set by the builder of the mesh, such as
             `lacore.model.meshes.quarter_ring`; else ``approximated`` where the outline turns by
-            small angles at three corners in a row, like a polygon in place of an arc. Of a polygon
-            that is meant say ``exact``.
+            small angles at three corners in a row, like a polygon in place of an arc. Use ``exact``
+            for an intended polygon.
 
     Raises:
-        InputError: wrong mesh type, a mesh that `check_mesh` refuses, unknown names, a space that
-            locks on the mesh; regions that the mesh lacks, that overlap or leave elements out;
-            strengths that are negative somewhere, or of another number of elements.
+        InputError: wrong mesh type, a mesh that `check_mesh` rejects, unknown names, a space that
+            locks on the mesh; regions that are missing in the mesh, overlap, or leave out elements;
+            strengths that are negative somewhere, or have another number of elements.
 
     Example:
         >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
@@ -91,7 +92,7 @@ class Body(Shown):
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
     geometry: str | None = None
-    pointwise: ClassVar[bool] = False  # it touches others along edges
+    pointwise: ClassVar[bool] = False  # It touches others along edges.
     deforms: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -145,7 +146,7 @@ class Body(Shown):
         return text("{}, {}, {}, {}", elements, self.kinematics, self.space, self.label)
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the contents, for printing."""
         lengths = " by ".join(
             f"{low:.4g} to {high:.4g} m" for low, high in zip(*self.box, strict=True)
         )
@@ -157,16 +158,16 @@ class Body(Shown):
         return Facts(f"Body: {self.contents}", told)
 
     def picture(self) -> Picture:
-        """Its mesh."""
+        """Return a picture of its mesh."""
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
+        """Plot its mesh with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
         return views.picture(self)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
-        """Its parts by criterion; one of all elements where there is one criterion."""
+        """Its parts by criterion; one part of all elements if there is one criterion."""
         return regions_of(self.mesh, self.criterion, self.kinematics)
 
     @property
@@ -176,7 +177,7 @@ class Body(Shown):
         return join("; ", (text("{}: {}", *own) if own[0] else own[1] for own in told))
 
     def _criteria(self) -> dict[str, str]:
-        """Facts of each region."""
+        """Return the facts of each region, for printing."""
         told = {}
         for region in self.regions:
             title = f"criterion of {region.name}" if region.name else "criterion"
@@ -198,12 +199,12 @@ class Body(Shown):
 
     @property
     def largest_shear(self) -> float:
-        """Largest shear stress that it can carry at any pressure, Pa; inf of what has friction."""
+        """Largest shear stress at any pressure, Pa; inf with friction."""
         return max(region.largest_shear for region in self.regions)
 
     @property
     def dimension(self) -> int:
-        """2 of the plane, 3 in space."""
+        """2 or 3."""
         return 3 if self.kinematics == SPACE else 2
 
     @property
@@ -212,7 +213,10 @@ class Body(Shown):
         return self.kinematics == "axisymmetric"
 
     def thickness(self, places: Floats) -> Floats:
-        """Across the plane at places of shape (d, ...): 1, or the circumference ``2 pi r``, m."""
+        """Return the thickness at places of shape (d, ...).
+
+        1, or the circumference ``2 pi r``, m.
+        """
         return 2 * np.pi * places[0] if self.axisymmetric else np.ones_like(places[0])
 
     @property
@@ -231,12 +235,15 @@ class Body(Shown):
         return TOUCH * self.size
 
     def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
-        """Facets of a part of the boundary, and their chords; errors name the `field`."""
+        """Return the facets of a part of the boundary, and their chords.
+
+        Errors name the `field`.
+        """
         facets = boundary_facets(self, where, field)
         return facets, Edges(*facet_geometry(self, facets))
 
     def curves(self, facets: Ints) -> EdgeCurves:
-        """Facets as the curves that they are."""
+        """Return the facets as curves."""
         return edge_curves(self.mesh, facets)
 
     def check_load(self, load: Load, field: str) -> None:
@@ -244,13 +251,13 @@ class Body(Shown):
         check_load(load, self, field)
 
     def with_points(self, points: Iterable[Sequence[float]]) -> Body:
-        """Itself: point forces act at vertices that it has."""
+        """Return the same body, because point forces act at its vertices."""
         return self
 
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Nothing: what touches or holds any part of it holds all of it."""
+        """Do nothing, because a contact or support at any part holds all of it."""
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""
@@ -259,7 +266,7 @@ class Body(Shown):
 
 
 def on_axis(body: Body, places: Floats) -> Bools:
-    """Which places of shape (2, ...) lie on the axis of an axisymmetric body; else none."""
+    """Return which places of shape (2, ...) lie on the axis of an axisymmetric body."""
     near = np.abs(places[0]) <= _NEAR * body.size
     return np.asarray(near & body.axisymmetric)
 

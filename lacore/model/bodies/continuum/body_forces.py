@@ -1,4 +1,4 @@
-"""Forces per volume in the elements of a continuum, and on other meshes of its domain."""
+"""Forces per volume in the elements of a continuum, and their transfer to other meshes."""
 
 from dataclasses import dataclass
 from functools import singledispatch
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ForceField(Compact):
-    """A body force in the elements that it acts on.
+    """Body force in the elements that it acts on.
 
     Attributes:
-        elements: of the mesh, ascending, shape (e,).
+        elements: numbers of the elements, ascending, shape (e,).
         vertex: values at the vertices of each element, from within it, N/m^3, shape (d, e, a).
         linear: whether it is linear in each.
     """
@@ -44,7 +44,7 @@ class ForceField(Compact):
 
 @dataclass(frozen=True, repr=False)
 class OfElements(Compact):
-    """A value for each triangle of a mesh, as a function of place.
+    """Value for each triangle of a mesh, as a function of place.
 
     Attributes:
         mesh: straight-edged triangles.
@@ -55,17 +55,17 @@ class OfElements(Compact):
     values: tuple[float, ...]
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at places of shape (2, n) in the mesh, shape (n,)."""
-        corner = self.mesh.p[:, self.mesh.t]  # (2, 3, elements)
+        """Return the values at places of shape (2, n) in the mesh, shape (n,)."""
+        corner = self.mesh.p[:, self.mesh.t]  # shape (2, 3, elements)
         tree = shapely.STRtree(shapely.polygons(corner.transpose(2, 1, 0)))
         return np.asarray(np.asarray(self.values)[tree.nearest(shapely.points(x.T))])
 
 
 def force_field(load: BodyForce, body: "Body", field: str) -> ForceField:
-    """A body force in the elements of a body.
+    """Return a body force in the elements of a body.
 
     Raises:
-        InputError: regions that the mesh lacks, functions that fail, values of other elements.
+        InputError: unknown regions, functions that fail, or values of other elements.
     """
     elements = elements_of(load, body, f"{field}.where")
     count = body.mesh.nelements
@@ -81,10 +81,10 @@ def force_field(load: BodyForce, body: "Body", field: str) -> ForceField:
 
 
 def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
-    """Elements that a body force acts on: all, or those of regions of the mesh, ascending.
+    """Return the elements that a body force acts on: all, or those of regions, ascending.
 
     Raises:
-        InputError: names that the mesh lacks.
+        InputError: unknown regions of the mesh.
     """
     if load.where is None:
         return np.arange(body.mesh.nelements)
@@ -99,14 +99,14 @@ def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
 
 
 def largest(load: BodyForce, body: "Body", field: str) -> float:
-    """Its largest size at the vertices of elements, N/m^3."""
+    """Return its largest size at the vertices of elements, N/m^3."""
     vertex = force_field(load, body, field).vertex
     return float(np.linalg.norm(vertex, axis=0).max(initial=0.0))
 
 
 @singledispatch
 def free_of_mesh(load: Load, body: "Body") -> Load:
-    """A load that does not know the mesh of its body: values of elements as a function of place."""
+    """Return a load that does not depend on the mesh, with element values as function of place."""
     return load
 
 
@@ -144,7 +144,7 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
 
 @singledispatch
 def linear(load: Load, body: "Body") -> bool:
-    """Whether a load is linear in each element of a body, so that its power is exact."""
+    """Return whether a load is linear in each element of a body, so that its power is exact."""
     return True
 
 
@@ -178,7 +178,10 @@ def _carried(load: BodyForce, body: "Body", field: str) -> None:
 
 @singledispatch
 def at_vertices(load: Load, body: "Body", field: str) -> Floats:
-    """Forces per volume at the vertices of all elements, from within, N/m^3, shape (d, e, a)."""
+    """Return the forces per volume at the vertices of all elements, from within, N/m^3.
+
+    The shape is (d, e, a).
+    """
     return np.zeros((body.dimension, *body.mesh.t.T.shape))
 
 

@@ -1,4 +1,4 @@
-"""From a name or a predicate on coordinates to boundary facets."""
+"""Boundary facets from a name or a predicate on coordinates."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -25,12 +25,12 @@ _UNNAMED = (
 
 
 def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
-    """Facets of the part `where` of the boundary of `body`, sorted.
+    """Return the facets of the part `where` of the boundary of `body`, sorted.
 
-    A name selects the facets that the mesh gives under it. A predicate gets coordinates of shape
-    (d, n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
-    length, in space all over; it must not end inside a facet (the velocity would have a jump there
-    that the space cannot follow).
+    A name selects the facets of the mesh with this name. A predicate gets coordinates of shape (d,
+    n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
+    length, or on their whole face; it must not end inside a facet (the velocity would need a jump
+    there that the space does not have).
 
     Raises:
         InputError: unknown name, nothing selected, an interior facet, a predicate that ends
@@ -88,7 +88,10 @@ def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Int
 
 
 def outward_normals(body: "Body", facets: Ints, s: float) -> Floats:
-    """Unit outward normals of boundary facets at a share of their parameter, shape (d, n)."""
+    """Return the unit outward normals of boundary facets at a share of their parameter.
+
+    The shape is (d, n).
+    """
     if body.dimension == 3:
         return face_geometry(body.mesh, facets)[1]
     *_, outward = facet_geometry(body, facets)
@@ -96,7 +99,10 @@ def outward_normals(body: "Body", facets: Ints, s: float) -> Floats:
 
 
 def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
-    """Ends and unit outward normals of (chords of) boundary facets: three arrays (2, n)."""
+    """Return the ends and unit outward normals of (chords of) boundary facets.
+
+    Three arrays (2, n).
+    """
     mesh = body.mesh
     start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
     along = end - start
@@ -107,7 +113,7 @@ def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
 
 
 def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
-    """Index of the mesh vertex at a point; raises `InputError` where there is none."""
+    """Return the index of the mesh vertex at a point; raises `InputError` if there is none."""
     if body.dimension == 3:
         why = "no single force acts on a body of tetrahedra"
         raise InputError(where, at, why, "give a lacore.Traction on some of its faces")

@@ -18,18 +18,19 @@ from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import DissipationGroup
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-13  # of a shape function
+_ROUND_OFF = 1e-13  # by a shape function
 
 
 @dataclass(frozen=True, repr=False)
 class BodyDofs(Compact):
-    """Where a body's velocity stands in the vector of all unknowns.
+    """Place of the velocity of a body among all unknowns.
 
     Attributes:
         body: the body.
         nodes: coordinates of its nodes, shape (d, nodes): vertices, then edge midpoints, then
-            centres; where velocities jump, those of the first element, then of the second, ...
-        dofs: unknowns (x, y), in space (x, y, z), of each node, shape (d, nodes).
+            centres; for discontinuous velocities the nodes of the first element, then of the
+            second, ...
+        dofs: unknowns (x, y), or (x, y, z), of each node, shape (d, nodes).
         element_nodes: its nodes by element, vertices, then edges, shape (a, elements).
         first_node: number of the body's first node among those of all bodies.
         basis: scikit-fem basis at the strain points; its dofs start at `offset`.
@@ -51,7 +52,7 @@ class BodyDofs(Compact):
 
     @classmethod
     def at(cls, body: Body, offset: int) -> "BodyDofs":
-        """The unknowns of a body from a number on; before it stand nodes of as many each."""
+        """Return the unknowns of a body that begin at a given number."""
         basis, d = spaces_of(body.kinematics)[body.space].basis(body.mesh), body.dimension
         # scikit-fem numbers the components of a node one after the other.
         return cls(
@@ -76,7 +77,7 @@ class BodyDofs(Compact):
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether it is a body of revolution."""
+        """Whether it is axisymmetric."""
         return self.body.axisymmetric
 
     @property
@@ -85,24 +86,27 @@ class BodyDofs(Compact):
         return np.zeros(self.count, dtype=np.int64)
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """What straining dissipates at its points, over n unknowns; jumps are other groups."""
+        """Return the dissipation of strains at its points, over n unknowns.
+
+        Jumps are other groups.
+        """
         return plasticity(name, self, n)
 
     def force(self, load: Load) -> Floats:
-        """Nodal forces of a load, shape (count,), N/m."""
+        """Return the nodal forces of a load, shape (count,), N/m."""
         return force(load, self)
 
     def area(self, footing: Footing) -> float:
-        """Of what a footing touches, m^2; m per unit thickness."""
+        """Return the area under a footing, m^2; m per unit thickness."""
         return area(self, facets_of(footing, self.body))
 
     def thickness(self, places: Floats) -> Floats:
-        """See `Body.thickness`."""
+        """Return the thickness, see `Body.thickness`."""
         return self.body.thickness(places)
 
     @property
     def degree(self) -> int:
-        """Of the velocity along an edge."""
+        """Degree of the velocity along an edge."""
         return self.space.degree
 
     @property
@@ -113,7 +117,7 @@ class BodyDofs(Compact):
 
     @property
     def strength(self) -> float:
-        """Largest shear stress that it can carry, Pa: of what has friction, any."""
+        """Largest shear stress that the body can carry, Pa; any value with friction."""
         return self.body.largest_shear
 
     @property
@@ -148,11 +152,11 @@ class BodyDofs(Compact):
         return self.body.dimension == 3 and self.space.jumps and not self.body.pressure_dependent
 
     def parts(self, facets: Ints) -> Ints:
-        """The facets themselves: velocities differ from one to the next."""
+        """Return the facets, because velocities differ between them."""
         return facets
 
     def moving(self, facets: Ints) -> Ints:
-        """What moves continuously: all of the body is one, or each element for itself."""
+        """Return the numbers of parts that move continuously: the whole body, or each element."""
         return self.body.mesh.f2t[0, facets] if self.space.jumps else np.zeros_like(facets)
 
     def curves(self, facets: Ints) -> EdgeCurves:
@@ -160,9 +164,9 @@ class BodyDofs(Compact):
         return edge_curves(self.body.mesh, facets)
 
     def velocity_rows(self, facets: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
-        """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n).
+        """Return the rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n).
 
-        On a curved edge at the place that lies across its chord from the point.
+        On a curved edge the place is that across its chord from the point.
         """
         nodes = self.facet_nodes(facets)
         shape = edge_shapes(self.curves(facets).parameter(points), self.degree)
@@ -175,13 +179,14 @@ class BodyDofs(Compact):
         return x, y
 
     def facet_nodes(self, facets: Ints, side: int = 0) -> Ints:
-        """Nodes (start, end) or (start, midpoint, end) on facets, shape (degree + 1, n).
+        """Return the nodes (start, end) or (start, midpoint, end) on facets, shape (degree + 1, n).
 
-        In space the vertices, and then the midpoints of edges, see `face_nodes`.
+        In three dimensions they are the vertices, and then the midpoints of edges, see
+        `face_nodes`.
 
         Args:
-            facets: of the mesh.
-            side: of which of the two elements at a facet; a boundary facet has only 0.
+            facets: facets of the mesh.
+            side: which of the two elements at a facet; a boundary facet has only 0.
         """
         mesh = self.body.mesh
         if self.body.dimension == 3:
@@ -198,13 +203,13 @@ class BodyDofs(Compact):
         return np.asarray(self.element_nodes[np.stack(nodes), element])
 
     def vertex_nodes(self, vertex: int) -> Ints:
-        """The nodes at a vertex of the mesh: one, or one in each element."""
+        """Return the nodes at a vertex of the mesh: one, or one in each element."""
         mesh = self.body.mesh
         return np.unique(self.element_nodes[: len(mesh.t)][mesh.t == vertex])
 
 
 def edge_shapes(s: Floats, degree: int) -> Floats:
-    """Shape functions of nodes along an edge at shares `s` of its length, (s, degree + 1)."""
+    """Return the shape functions of nodes along an edge at shares `s`, (s, degree + 1)."""
     if degree == 1:
         return np.stack([1 - s, s], axis=1)
     return np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)

@@ -1,14 +1,14 @@
-"""Velocity jumps of a body, as dissipation like any other (T23).
+"""Velocity jumps of a body as dissipation (T23).
 
-Between its elements, and along boundaries where it slips past what holds it
+They are between its elements, and along boundaries where it slips past a support
 (`lacore.assembly.slips`).
 
-A jump over an edge of length L is a layer of thickness L with the strain rate
-``sym(n (x) [u])/L``: the criterion says what it costs, per volume L^2. Its cones stand at the
-Bernstein control values of the jump along the edge, L/(degree + 1) each: of a linear jump the ends,
-of a quadratic one also ``2 [u]_mid - ([u]_start + [u]_end)/2``. The jump is a convex combination
-of them, so that their sum is never below the dissipation, and ``[u_n] = 0`` holds along the whole
-edge. The thickness cancels from all powers; only the regularised law sees it.
+A jump over an edge of length L is a layer of thickness L with the strain rate ``sym(n (x) [u])/L``:
+the criterion gives its dissipation, for the volume L^2. Its cones are at the Bernstein control
+values of the jump along the edge, L/(degree + 1) each: the ends for a linear jump, for a quadratic
+one also ``2 [u]_mid - ([u]_start + [u]_end)/2``. The jump is a convex combination of them, so that
+their sum is never below the dissipation, and ``[u_n] = 0`` holds along the whole edge. The
+thickness cancels from all powers; only the regularised law depends on it.
 """
 
 from collections.abc import Sequence
@@ -45,20 +45,20 @@ _FACE[3:, :3] = [[-0.5, -0.5, 0.0], [0.0, -0.5, -0.5], [-0.5, 0.0, -0.5]]
 _FACE[3:, 3:] *= 2.0
 FACE_CONTROL = {1: np.eye(3), 2: _FACE}
 """The same of faces, their vertices first, then the midpoints of their edges (T90)."""
-_ROUND_OFF = 1e-12  # of the entries of a row
+_ROUND_OFF = 1e-12  # by the entries of a row
 
 
 @dataclass(frozen=True, repr=False)
 class Jumps(Compact):
-    """The velocity jumps of a region of a body: those that cost what its criterion says.
+    """Velocity jumps of a region of a body, whose dissipation follows from its criterion.
 
     Attributes:
-        bodies: whose elements are on either side; twice the same but across seams.
+        bodies: bodies of the elements on either side; equal except across seams.
         group: their dissipation; cone by cone along each edge.
-        elements: on both sides of each cone, shape (2, m); at a boundary twice the same.
-        place: number of each cone among the control values of all edges, `copies` an edge, shape
+        elements: elements on both sides of each cone, shape (2, m); equal at a boundary.
+        place: number of each cone among the control values of all edges, `copies` per edge, shape
             (m,); the others are zero.
-        copies: control values of an edge.
+        copies: number of control values of an edge.
         ends: bounds at both ends of the edge of each cone, between which they are linear, Pa,
             shape (2, m).
     """
@@ -71,7 +71,7 @@ class Jumps(Compact):
     ends: Floats
 
     def kept(self, mask: Bools) -> "Jumps":
-        """Those of a mask of shape (m,)."""
+        """Return the jumps of a mask of shape (m,)."""
         group = replace(
             self.group,
             rows=self.group.rows[np.repeat(mask, self.group.dim)],
@@ -89,21 +89,23 @@ class Jumps(Compact):
         )
 
     def held_force(self, stress: Floats, mean: Floats) -> Floats:
-        """Nodal forces on what the body moves past, shape (n,), of stresses (m, dim) and (m,)."""
+        """Return the nodal forces on supports, shape (n,), of stresses (m, dim) and (m,)."""
         outer = self.elements[0] == self.elements[1]
         weights = np.where(outer, self.group.weights, 0.0)
         along = self.group.rows.T @ (weights[:, None] * stress).ravel()
         return np.asarray(along + self.group.volumetric.T @ (weights * mean))
 
     def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
-        """Elements on both sides of edges, shape (2, e), and the power dissipated there, (e,).
+        """Return the elements on both sides of edges, shape (2, e), and an upper power there, (e,).
 
-        From above: control values of `parts` equal parts of each edge, `parts` = 1 is the group.
+        It uses the control values of `parts` equal parts of each edge; `parts` = 1 gives the
+        group's.
         """
         _, first, edge = np.unique(
             self.place // self.copies, return_index=True, return_inverse=True
         )
-        if self.group.surfaces is not None:  # of one plane, linear: all of it is in its cones
+        # A single plane is linear, so its cones contain all of it.
+        if self.group.surfaces is not None:
             power = np.bincount(edge, self.group.dissipation(velocity), minlength=first.size)
             return self.elements[:, first], np.asarray(power)
         control = np.zeros((first.size, self.copies, self.group.dim))
@@ -115,19 +117,19 @@ class Jumps(Compact):
             values = _control_values_of_part(control, start, end)
             shares = shares_of_controls(self.copies) @ np.array([1 - start, 1 - end])
             for value, share in zip(values, shares, strict=True):
-                # Exactly 1 where the strength is the same at both ends.
+                # This is exactly 1 if the strength is the same at both ends.
                 level = 1 - ((most - low) * share + (most - high) * (1 - share)) / most
                 total += np.linalg.norm(value, axis=1) * level
         return self.elements[:, first], (self.group.weights[first] * most) * total / parts
 
 
 def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
-    """All jumps of a body for n unknowns: of a discontinuous space, and past what holds it.
+    """Return all jumps of a body for n unknowns: between elements, and past supports.
 
-    Between two regions, or elements of different strength, a jump costs what the weaker side asks
-    for: tractions are within the criteria of both, so that the dissipation of either is no less
-    than the power of any admissible ones. Of two frictions it costs what tractions within both can
-    do at most (T87).
+    Between two regions, or elements of different strength, the dissipation is that of the weaker
+    side: tractions are within the criteria of both, so the dissipation of either is at least the
+    power of any admissible ones. With two friction angles it is the largest power of tractions
+    within both (T87).
     """
     mesh = dofs.body.mesh
     inner = np.flatnonzero((mesh.f2t[1] >= 0) & dofs.space.jumps)
@@ -150,7 +152,7 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
         share = direction / length**2
         return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
 
-    # What holds a boundary, or does not, has no normal jump.
+    # Whether a boundary is held or not, it has no normal jump.
     normal = np.stack([along[1], -along[0]]) * within
     opening, slipping = across(normal * _outward(mesh, edges, normal)), across(along)
     start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
@@ -166,17 +168,17 @@ def layered(
     volumes: Floats,
     kind: type[Jumps] = Jumps,
 ) -> list[Jumps]:
-    """Jumps at e facets, as many control values m/e each, by what layers of both sides carry.
+    """Return the jumps at e facets with m/e control values each, by the layers of both sides.
 
     Args:
-        name: of the body.
-        dofs: of it.
-        elements: on both sides of the facets, shape (2, e).
-        ends: of edges; of faces any two corners, as strengths do not vary along them.
+        name: name of the body.
+        dofs: unknowns of the body.
+        elements: elements on both sides of the facets, shape (2, e).
+        ends: ends of edges; any two corners of faces, as strengths do not vary along them.
         jump: rows of ``[u_n]``, and ``[u_t]`` along each tangent, per thickness of the layer, facet
             by facet, (m, n) each.
-        volumes: of the layer, shape (m,).
-        kind: of the jumps.
+        volumes: volumes of the layer, shape (m,).
+        kind: class of the jumps.
     """
     mesh, regions = dofs.body.mesh, dofs.body.regions
     beside = [
@@ -219,11 +221,11 @@ def layer(
     weights: Floats,
     carried: Carried,
 ) -> DissipationGroup:
-    """What velocity jumps cost, as strain rates of a layer.
+    """Return the dissipation of velocity jumps, as strain rates of a layer.
 
     Args:
-        name: of the group.
-        form: of the layer, see `ConicForm.across`.
+        name: name of the group.
+        form: form of the layer, see `ConicForm.across`.
         jump: rows of ``[u_n]`` (opening), and ``[u_t]`` along each tangent, per thickness of the
             layer, (m, n) each.
         weights: volumes of the layer, shape (m,).
@@ -253,20 +255,20 @@ def layer(
 
 
 def _outward(mesh: Mesh, facets: Ints, normal: Floats) -> Floats:
-    """Signs that turn normals of facets away from their first element, shape (k,)."""
+    """Return the signs that turn normals of facets away from their first element, shape (k,)."""
     first = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
     away = mesh.p[:, mesh.facets[0, facets]] - first
     return np.asarray(np.where(np.sum(normal * away, axis=0) < 0, -1.0, 1.0))
 
 
 def movable(group: DissipationGroup, basis: Sparse) -> Bools:
-    """Cones that supports and footings leave something of, shape (m,).
+    """Return which cones have free unknowns under supports and footings, shape (m,).
 
-    The others would say ``0 = 0``, with a multiplier that is any number.
+    The others would state ``0 = 0``, with an arbitrary multiplier.
 
     Args:
-        group: for all unknowns.
-        basis: of the free velocities, see `lacore.model.conditions.elimination.free_basis`.
+        group: group over all unknowns.
+        basis: basis of the free velocities, see `lacore.model.conditions.elimination.free_basis`.
     """
     left = np.zeros(group.weights.size)
     for rows, dim in ((group.rows, group.dim), (group.volumetric, group.volumes)):
@@ -276,7 +278,7 @@ def movable(group: DissipationGroup, basis: Sparse) -> Bools:
 
 
 def _control_values_of_part(control: Floats, start: float, end: float) -> list[Floats]:
-    """Those of the part of each edge from `start` to `end` (shares of its length), by blossoms."""
+    """Return the control values of the part of each edge between two shares, by blossoms."""
 
     def between(values: Floats, share: float) -> Floats:
         return np.asarray(values[:, :-1] * (1 - share) + values[:, 1:] * share)
@@ -288,12 +290,12 @@ def _control_values_of_part(control: Floats, start: float, end: float) -> list[F
 
 
 def _control(dofs: BodyDofs) -> Floats:
-    """Control values of a facet from the values at its nodes."""
+    """Return the control values of a facet from the values at its nodes."""
     return (FACE_CONTROL if dofs.body.dimension == 3 else CONTROL)[dofs.degree]
 
 
 def control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:
-    """Rows of u_x, u_y (and u_z) at the control values of facets, facet by facet."""
+    """Return the rows of u_x, u_y (and u_z) at the control values of facets, facet by facet."""
     nodes = dofs.facet_nodes(facets, side)
     control = _control(dofs)
     shape = (facets.size, *control.shape)

@@ -1,4 +1,4 @@
-"""Loads on a continuum: checked where a problem is stated, and as forces on its unknowns."""
+"""Loads on a continuum: checks of a problem, and forces on its unknowns."""
 
 from functools import singledispatch
 from typing import TYPE_CHECKING
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from lacore.model.bodies.continuum.body import Body
     from lacore.model.bodies.continuum.dofs import BodyDofs
 
-# Exact: velocities of degree 2, times an area that is linear on straight quadrilaterals; on curved
-# ones it is cubic in either direction, and the radius is quadratic.
+# This is exact for velocities of degree 2, times an area that is linear on straight quadrilaterals;
+# on curved ones it is cubic in either direction, and the radius is quadratic.
 _LOAD_ORDER, _CURVED_ORDER = 3, 7
 
 
@@ -82,7 +82,7 @@ def _require_plane(body: "Body", field: str) -> None:
 
 @singledispatch
 def force(load: Load, dofs: "BodyDofs") -> Floats:
-    """Nodal forces of a load on the unknowns of its body, shape (count,), N/m."""
+    """Return the nodal forces of a load on the unknowns of its body, shape (count,), N/m."""
     raise TypeError(f"no forces at nodes: {type(load).__name__}")
 
 
@@ -99,7 +99,7 @@ def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
     order = _load_order(dofs) if load.piecewise_uniform else _CURVED_ORDER
     basis = Basis(body.mesh, dofs.basis.elem, intorder=order, elements=part)
     elements = np.arange(body.mesh.nelements) if part is None else part
-    places = np.asarray(basis.global_coordinates())  # (d, elements, points)
+    places = np.asarray(basis.global_coordinates())  # shape (d, elements, points)
     numbers = np.repeat(elements, places.shape[2])
     vector = load.at(places.reshape(len(places), -1), numbers, body.mesh.nelements, field)
     return _power(dofs, basis, vector.reshape(places.shape))
@@ -109,15 +109,15 @@ def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
 def _of_point(load: PointForce, dofs: "BodyDofs") -> Floats:
     total = np.zeros(dofs.count)
     vertex = vertex_at(dofs.body, load.at, "PointForce.at")
-    nodes = dofs.vertex_nodes(vertex)  # where velocities jump, on their mean
+    nodes = dofs.vertex_nodes(vertex)  # For discontinuous velocities the force acts on their mean.
     total[dofs.dofs[:, nodes] - dofs.offset] = np.reshape(load.vector, (-1, 1)) / nodes.size
     return total
 
 
 @force.register(PorePressure)
 def _of_pores(load: PorePressure, dofs: "BodyDofs") -> Floats:
-    # int u div(v) and what it is where velocities jump, by parts: -grad(u) in the volume of each
-    # element, u along the outward normal on all of the boundary.
+    # int u div(v), by parts for discontinuous velocities: -grad(u) in the volume of each element,
+    # and u along the outward normal on the whole boundary.
     mesh, u = dofs.body.mesh, in_pores(load, dofs.body, "PorePressure")
     inside = Basis(mesh, dofs.basis.elem, intorder=_load_order(dofs))
     slope = np.asarray(_linear(inside).interpolate(u).grad)
@@ -137,15 +137,15 @@ def _standing(load: StandingWater, dofs: "BodyDofs") -> Floats:
 
 @singledispatch
 def force_along(load: Load, dofs: "BodyDofs", facets: Ints, directions: Floats) -> Floats:
-    """Nodal forces of the components of a load on some facets, shape (count,), N/m.
+    """Return the nodal forces of the components of a load on some facets, shape (count,), N/m.
 
-    Only tractions and pressures on boundaries have any.
+    Only tractions and pressures on boundaries have such forces.
 
     Args:
-        load: Of the body.
-        dofs: Of the body.
-        facets: Of its boundary, shape (e,).
-        directions: Of the components, orthonormal or zero, shape (k, d, e).
+        load: Load on the body.
+        dofs: Unknowns of the body.
+        facets: Facets of its boundary, shape (e,).
+        directions: Directions of the components, orthonormal or zero, shape (k, d, e).
     """
     return np.zeros(dofs.count)
 
@@ -162,13 +162,13 @@ def _along(load: SurfaceLoad, dofs: "BodyDofs", facets: Ints, directions: Floats
 
 
 def _linear(basis: AbstractBasis) -> AbstractBasis:
-    """For values at vertices, at the points of a basis."""
+    """Return a linear basis for values at vertices, at the points of a basis."""
     known = {RefTri: ElementTriP1(), RefQuad: ElementQuad1(), RefTet: ElementTetP1()}
     return basis.with_element(known[basis.mesh.refdom])
 
 
 def _power(dofs: "BodyDofs", basis: Basis, vector: Floats) -> Floats:
-    """Of forces per area or volume at the points of a basis, on the shape functions."""
+    """Return the nodal forces of forces per area or volume at the points of a basis."""
     thickness = dofs.body.thickness(_places(basis))
 
     @LinearForm
@@ -180,7 +180,7 @@ def _power(dofs: "BodyDofs", basis: Basis, vector: Floats) -> Floats:
 
 
 def _places(basis: Basis) -> Floats:
-    """The points of a basis, m, shape (d, ...)."""
+    """Return the points of a basis, m, shape (d, ...)."""
     return np.asarray(basis.global_coordinates())
 
 
@@ -188,12 +188,12 @@ Part = SurfaceLoad | Footing | StandingWater | Fix
 
 
 def facets_of(part: Part, body: "Body") -> Ints:
-    """The part of the boundary of a body that a load or a support acts on."""
+    """Return the boundary facets of a body that a load or a support acts on."""
     return boundary_facets(body, part.where, f"{type(part).__name__}.where")
 
 
 def area(dofs: "BodyDofs", facets: Ints) -> float:
-    """Of a part of the boundary, m^2; m per unit thickness."""
+    """Return the area of a part of the boundary, m^2; m per unit thickness."""
     basis = _facet_basis(dofs, facets)
     return float(np.sum(basis.dx * dofs.body.thickness(_places(basis))))
 
@@ -204,7 +204,7 @@ def _load_order(dofs: "BodyDofs") -> int:
 
 
 def _facet_basis(dofs: "BodyDofs", facets: Ints) -> FacetBasis:
-    """Of a part of the boundary."""
+    """Return the basis of a part of the boundary."""
     mesh, order, mapping = dofs.body.mesh, _load_order(dofs), None
     if is_curved(mesh) or not isinstance(mesh, MeshTri1 | MeshTet1):
         mapping = OnFacets(mesh, facets, get_quadrature(mesh.brefdom, order)[0])

@@ -1,9 +1,9 @@
-"""Whether continuous linear velocities can flow without a change of volume (T24).
+"""Test whether continuous linear velocities can flow without a change of volume (T24).
 
-A linear velocity has one ``theta`` a triangle, and a mesh has twice as many triangles as vertices:
-as many conditions as unknowns. Only where four triangles fill a quadrilateral around the crossing
-of its diagonals, one of their four conditions follows from the others (Nagtegaal, Parks & Rice
-1974).
+A linear velocity has one ``theta`` per triangle, and a mesh has twice as many triangles as
+vertices: as many conditions as unknowns. Only where four triangles fill a quadrilateral around the
+crossing of its diagonals, one of their four conditions follows from the others (Nagtegaal, Parks &
+Rice 1974).
 """
 
 import numpy as np
@@ -15,14 +15,17 @@ _STRAIGHT = 1e-9  # sine of the angle between the two halves of a diagonal: far 
 
 
 def crossed_quadrilaterals(mesh: MeshTri1) -> bool:
-    """Whether all triangles are quarters of quadrilaterals, cut along both diagonals."""
+    """Return whether all triangles are quarters of quadrilaterals, cut along both diagonals."""
     t = mesh.t.astype(np.int64)
     centre = _crossings(mesh)[t]
     return bool(np.all(centre.sum(axis=0) == 1))
 
 
 def _crossings(mesh: MeshTri1) -> Bools:
-    """Vertices where two straight lines cross and nothing else meets, shape (vertices,)."""
+    """Return the vertices where two straight lines cross and nothing else meets.
+
+    The shape is (vertices,).
+    """
     vertices = mesh.p.shape[1]
     ends = mesh.facets.astype(np.int64)
     own, other = np.concatenate([ends[0], ends[1]]), np.concatenate([ends[1], ends[0]])
@@ -43,6 +46,6 @@ def _crossings(mesh: MeshTri1) -> Bools:
 
 
 def _opposite(a: Floats, b: Floats) -> Bools:
-    """Whether unit vectors of shape (2, k) point in opposite directions."""
+    """Return whether unit vectors of shape (2, k) point in opposite directions."""
     sine = np.abs(a[0] * b[1] - a[1] * b[0])
     return np.asarray((sine < _STRAIGHT) & (np.sum(a * b, axis=0) < 0))

@@ -1,4 +1,4 @@
-"""Values of strain points as values of elements and of nodes (T31)."""
+"""Conversion of values at strain points to values of elements and of nodes (T31)."""
 
 import numpy as np
 
@@ -7,20 +7,20 @@ from lacore.numerics.arrays import Floats, Ints
 
 
 def element_means(dofs: BodyDofs, values: Floats) -> Floats:
-    """Means over the volumes of elements, shape (elements,), of values of shape (elements, q)."""
+    """Return the means of values, shape (elements, q), over the volumes of elements."""
     return np.asarray(np.sum(dofs.weights * values, axis=1) / dofs.volumes)
 
 
 def vertex_means(dofs: BodyDofs, values: Floats, elements: Ints | slice = slice(None)) -> Floats:
-    """Means of values (elements, q) around vertices, shape (vertices,), by their hat functions.
+    """Return the means of values around vertices, shape (vertices,), by their hat functions.
 
-    None is above or below all values around it, and their integral is that of the values: the
+    Each mean lies between the values around it, and their integral is that of the values: the
     projection onto linear (bilinear) fields with its matrix lumped.
 
     Args:
-        dofs: of the body.
-        values: at its strain points.
-        elements: whose values count, by default all; NaN at vertices that none of them has.
+        dofs: unknowns of the body.
+        values: values at its strain points, shape (elements, q).
+        elements: elements whose values count, by default all; NaN at other vertices.
     """
     mesh, weights = dofs.body.mesh, dofs.weights[elements]
     corners = mesh.t[:, elements]
@@ -35,7 +35,7 @@ def vertex_means(dofs: BodyDofs, values: Floats, elements: Ints | slice = slice(
 
 
 def node_means(dofs: BodyDofs, values: Floats, elements: Ints | slice = slice(None)) -> Floats:
-    """The same at all nodes of a continuous space, shape (nodes,): linear between vertices."""
+    """Return these means at all nodes of a continuous space, (nodes,), linear between vertices."""
     corners, nodes = dofs.body.mesh.t[:, elements], dofs.element_nodes[:, elements]
     at = vertex_means(dofs, values, elements)[corners]
     means = np.full(dofs.nodes.shape[1], np.nan)
@@ -50,13 +50,13 @@ def node_means(dofs: BodyDofs, values: Floats, elements: Ints | slice = slice(No
 
 
 def point_values(dofs: BodyDofs, values: Floats) -> Floats:
-    """Values of vertices at the strain points, linear (bilinear) between, (elements, q)."""
+    """Return vertex values at the strain points, (bi)linear between, (elements, q)."""
     corners = dofs.body.mesh.t
     return np.asarray(values[corners].T @ corner_shapes(dofs.space.points, len(corners)))
 
 
 def corner_shapes(points: Floats, corners: int) -> Floats:
-    """Linear (bilinear) shape functions of the corners at reference points, (corners, points)."""
+    """Return the (bi)linear shape functions of corners at reference points, (corners, points)."""
     if len(points) == 3:
         return np.concatenate([1 - points.sum(axis=0, keepdims=True), points])
     x, y = points

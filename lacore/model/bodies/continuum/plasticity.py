@@ -1,4 +1,4 @@
-"""What straining a body dissipates, as rows of the program (T6): a group for each region."""
+"""Dissipation of strains of a body as rows of the program (T6), one group for each region."""
 
 from typing import TYPE_CHECKING
 
@@ -19,24 +19,24 @@ if TYPE_CHECKING:
 
 
 def vertex_rule(vertices: int) -> Floats:
-    """Strengths that the vertex rule takes at vertices, from those there (T85), square."""
+    """Return the matrix from strengths at vertices to those of the vertex rule (T85), square."""
     return np.asarray((np.eye(vertices) + 1) / (vertices + 1))
 
 
 def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, ...]:
-    """Dissipation at the strain points of the regions of a body, over n unknowns (T6)."""
+    """Return the dissipation at strain points of the regions of a body, over n unknowns (T6)."""
     basis = dofs.basis
     gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
     rates = [gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]]
     if dofs.body.dimension == 3:
         rates.insert(2, gradient[2, 2])
         rates += [gradient[1, 2] + gradient[2, 1], gradient[2, 0] + gradient[0, 2]]
-    if dofs.body.axisymmetric:  # strain points lie off the axis
+    if dofs.body.axisymmetric:  # Strain points lie off the axis.
         radial = np.stack([np.asarray(shape[0])[0] for shape in basis.basis], axis=-1)
         radius = np.asarray(basis.global_coordinates())[0]
         rates.insert(2, radial / radius[:, :, None])
     strain = np.stack(rates, axis=2)
-    # strain: (elements, points, components, shapes)
+    # shape of strain: (elements, points, components, shapes)
     columns = basis.element_dofs.T.astype(np.int64) + dofs.offset
 
     def rows(coefficients: Floats, elements: Ints) -> Sparse:
@@ -66,10 +66,10 @@ def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, .
 
 
 def at_strain_points(dofs: "BodyDofs", region: Region) -> tuple[Floats, Surfaces | None]:
-    """Strengths at the strain points of a region: see `Region.strengths`.
+    """Return the strengths at the strain points of a region: see `Region.strengths`.
 
-    Of a strict space such that its rule is above the dissipation of strengths that vary; elsewhere
-    those at the points.
+    In a strict space they are such that the rule is above the dissipation of varying strengths;
+    elsewhere they are those at the points.
     """
     count = dofs.weights.shape[1]
 
@@ -95,9 +95,9 @@ def at_strain_points(dofs: "BodyDofs", region: Region) -> tuple[Floats, Surfaces
 
 
 def by_rule(varies: Varying, points: int) -> Floats:
-    """Strengths of the rule of one point of an element or of its vertices, (elements, points), Pa.
+    """Return the strengths for the rule of one point or of the vertices, (elements, points), Pa.
 
-    Of what is not known between places those there, which prove nothing.
+    If a strength is unknown between places, those at the places are used, which prove nothing.
     """
     vertex = varies.above_if_known()
     if points == 1:

@@ -1,4 +1,4 @@
-"""Slip past what holds a boundary, as facets that may move along it (T23)."""
+"""Slip past a support, as facets that may move along it (T23)."""
 
 from dataclasses import dataclass
 
@@ -13,14 +13,15 @@ from lacore.reporting.showing import Compact
 
 @dataclass(frozen=True, repr=False)
 class Slip(Compact):
-    """Facets of a body along which it may slip past what holds it.
+    """Facets of a body along which it may slip past a support.
 
     Attributes:
-        facets: of its mesh, shape (e,).
+        facets: facets of its mesh, shape (e,).
         normal: outward unit normals, shape (2, e).
-        footing: number of the footing that holds each, -1 of supports, shape (e,).
-        unknown: speed of that footing among all unknowns; of supports any, shape (e,).
-        motion: velocity of what holds, per speed of the footing, shape (2, e); of supports 0.
+        footing: number of the footing that holds each, -1 for supports, shape (e,).
+        unknown: speed of that footing among all unknowns; arbitrary for supports, shape (e,).
+        motion: velocity of the support, per speed of the footing, shape (2, e); 0 for fixed
+            supports.
         holds_normal: whether it holds the normal velocity too, shape (e,).
         stuck: which ends may not slip, in the order of ``mesh.facets``, shape (2, e).
     """
@@ -39,15 +40,15 @@ class Slip(Compact):
         return np.stack([-self.normal[1], self.normal[0]])
 
     def of(self, footing: int) -> Ints:
-        """The facets that a footing holds, or with -1 the supports."""
+        """Return the facets of a footing, or with -1 those of the supports."""
         return np.asarray(self.facets[self.footing == footing])
 
     def nodes(self, dofs: BodyDofs) -> Ints:
-        """Nodes on its facets, numbered among those of all bodies, shape (a, e)."""
+        """Return the nodes on its facets, numbered among those of all bodies, shape (a, e)."""
         return np.asarray(dofs.facet_nodes(self.facets) + dofs.first_node)
 
     def conditions(self, dofs: BodyDofs) -> NodeConditions:
-        """What is left of the conditions on the nodes of its facets."""
+        """Return the remaining conditions at the nodes of its facets."""
         nodes = self.nodes(dofs)
         ends = nodes[[0, -1]]
         parts = []
@@ -62,11 +63,11 @@ class Slip(Compact):
         return join(parts)
 
     def held_velocity(self, velocity: Floats) -> Floats:
-        """Velocity of what holds the facets, shape (2, e), of all unknowns."""
+        """Return the velocity of the support of the facets, shape (2, e), from all unknowns."""
         return np.asarray(self.motion * velocity[self.unknown])
 
     def held_rows(self, copies: int, n: int) -> tuple[Sparse, Sparse]:
-        """Rows of u_x and u_y of what holds the facets, `copies` a facet, for n unknowns."""
+        """Return the rows of u_x and u_y of the supports, `copies` per facet, for n unknowns."""
         count = copies * self.facets.size
         columns, start = np.repeat(self.unknown, copies), np.arange(count + 1)
         x, y = (
@@ -76,9 +77,9 @@ class Slip(Compact):
         return x, y
 
     def layer(self, dofs: BodyDofs, velocity: Floats) -> Floats:
-        """Strain rates (xx, yy, gamma_xy) in the layers of slip, times their volumes, (e, 3)."""
+        """Return strain rates (xx, yy, gamma_xy) in the slip layers, times volumes, (e, 3)."""
         mesh = dofs.body.mesh
-        values = velocity[dofs.dofs[:, dofs.facet_nodes(self.facets)]]  # (2, a, e)
+        values = velocity[dofs.dofs[:, dofs.facet_nodes(self.facets)]]  # shape (2, a, e)
         mean = np.array([1.0, 1.0] if dofs.degree == 1 else [1.0, 4.0, 1.0])
         mean = np.einsum("iae,a->ie", values, mean / mean.sum())
         start, end = mesh.p[:, mesh.facets[:, self.facets]].transpose(1, 0, 2)
@@ -88,7 +89,7 @@ class Slip(Compact):
         return np.stack([n_x * u_x, n_y * u_y, n_x * u_y + n_y * u_x], axis=1)
 
     def stuck_to(self, values: Floats, velocity: Floats) -> Floats:
-        """Velocities on the facets, shape (2, ..., e), without their slip."""
+        """Return velocities on the facets, shape (2, ..., e), without their slip."""
         shape = (2, *(1,) * (values.ndim - 2), self.facets.size)
         tangent, held = self.tangent.reshape(shape), self.held_velocity(velocity).reshape(shape)
         slip = np.sum(tangent * (values - held), axis=0, keepdims=True)

@@ -1,7 +1,8 @@
-"""Velocity spaces (T22-T24): their elements, where strain rates are taken, what they prove.
+"""Velocity spaces (T22-T24): their elements, their strain points, and what they prove.
 
-A space is strict where its dissipation is nowhere below that of the continuum at any velocity it
-holds, and its velocities are admissible: each element by the vertex rule, or of constant strain.
+A space is strict if its dissipation is nowhere below that of the continuum at any of its
+velocities, and its velocities are admissible: each element by the vertex rule, or with constant
+strain.
 """
 
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from lacore.model.materials.conic_form import SPACE
 from lacore.numerics.arrays import Floats
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-12  # of a factor of order one
+_ROUND_OFF = 1e-12  # by a factor of order one
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,17 +34,16 @@ class VelocitySpace(Compact):
     """One velocity space.
 
     Attributes:
-        name: as given to ``Body(space=...)``.
-        mesh: the type of mesh that it lives on.
-        element: of one velocity component.
-        degree: of the velocity along an element edge.
+        name: name in ``Body(space=...)``.
+        mesh: the type of mesh.
+        element: element of one velocity component.
+        degree: degree of the velocity along an element edge.
         points: strain points on the reference element, shape (d, q).
-        weights: of them, of sum 1, shape (q,).
+        weights: weights of the points, with sum 1, shape (q,).
         strict: whether its dissipation is never below that of the continuum.
-        jumps: whether velocities jump from element to element (T23).
+        jumps: whether velocities are discontinuous between elements (T23).
         locks: whether incompressibility locks it on general meshes (T24).
-        curved: type of isoparametric mesh that it lives on too (T31); None: it is for straight
-            edges only.
+        curved: type of isoparametric mesh that it also supports (T31); None: only straight edges.
         pressures: functions whose weighted sums with theta vanish, by their values at the strain
             points, shape (q, functions); None: theta vanishes at each point.
     """
@@ -69,7 +69,10 @@ class VelocitySpace(Compact):
         return self.mesh in (MeshTri1, MeshTet1)
 
     def to_vertices(self) -> Floats:
-        """Factors that take strain rates from the strain points to the vertices, (vertices, q)."""
+        """Return the matrix from strain rates at strain points to those at vertices.
+
+        The shape is (vertices, q).
+        """
         dimension, count = self.points.shape
         if count == 1:
             return np.ones((dimension + 1, 1))
@@ -79,8 +82,9 @@ class VelocitySpace(Compact):
         return np.asarray(factors)
 
     def basis(self, mesh: Mesh) -> Basis:
-        """scikit-fem basis whose quadrature points are the strain points."""
-        size = {MeshTri1: 1 / 2, MeshTet1: 1 / 6}.get(self.mesh, 1.0)  # of the reference element
+        """Return the scikit-fem basis whose quadrature points are the strain points."""
+        # volume of the reference element
+        size = {MeshTri1: 1 / 2, MeshTet1: 1 / 6}.get(self.mesh, 1.0)
         return Basis(
             mesh, ElementVector(self.element), quadrature=(self.points, size * self.weights)
         )
@@ -140,7 +144,7 @@ SOLID_SPACES = {
         ),
     )
 }
-"""Those of tetrahedra, whose normal velocities do not jump by construction (T89, T90)."""
+"""Spaces of tetrahedra, whose normal velocities are continuous by construction (T89, T90)."""
 
 BOUNDING = next(
     name for name, space in SPACES.items() if space.strict and not (space.jumps or space.locks)
@@ -149,16 +153,16 @@ BOUNDING = next(
 
 
 def spaces_of(kinematics: str) -> dict[str, VelocitySpace]:
-    """The spaces of bodies of some kinematics, by name."""
+    """Return the spaces of bodies of some kinematics, by name."""
     return SOLID_SPACES if kinematics == SPACE else SPACES
 
 
 def isoparametric(mesh: Mesh, wanted: str) -> VelocitySpace:
-    """The space of a body that is to bend as it flows: the wanted one where it can, else the first.
+    """Return the space of a body with curved edges: the wanted one if possible, else the first.
 
     Args:
-        mesh: of triangles or of quadrilaterals.
-        wanted: name of the space that the body has.
+        mesh: mesh of triangles or of quadrilaterals.
+        wanted: name of the space of the body.
     """
     known = (SPACES[wanted], *SPACES.values())
     return next(s for s in known if s.curved is not None and isinstance(mesh, s.mesh))

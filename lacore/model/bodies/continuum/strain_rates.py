@@ -1,4 +1,4 @@
-"""How fast a body strains, as one number at each point: the equivalent strain rate (T29)."""
+"""Strain rate of a body as one number at each point: the equivalent strain rate (T29)."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -14,17 +14,17 @@ from lacore.program.dissipation import DissipationGroup
 
 
 def equivalent_rate(dofs: BodyDofs, groups: Sequence[DissipationGroup], velocity: Floats) -> Floats:
-    """Equivalent strain rate at the strain points, shape (elements, q), 1/s.
+    """Return the equivalent strain rate at the strain points, shape (elements, q), 1/s.
 
-    That which dissipates with the yield stress in tension, where strength does not depend on
-    pressure. Else ``sqrt(2/3) ||e||`` of the deviator e of the strain rate: the same of a velocity
-    that keeps volumes, and of one that dilates what it shears by. In plane stress without the rate
-    across the plane, which a velocity does not say.
+    If strength does not depend on pressure, it is the rate with the same dissipation at the yield
+    stress in tension. Else it is ``sqrt(2/3) ||e||`` of the deviator e of the strain rate, for
+    velocities that keep volumes and for those that dilate. In plane stress the rate across the
+    plane is left out, since a velocity does not determine it.
 
     Args:
-        dofs: of the body.
-        groups: the dissipation of its regions, over all unknowns.
-        velocity: of all unknowns, m/s.
+        dofs: unknowns of the body.
+        groups: dissipation of its regions, over all unknowns.
+        velocity: velocity of all unknowns, m/s.
     """
     rates = []
     for region, group in zip(dofs.body.regions, groups, strict=True):
@@ -38,10 +38,10 @@ def equivalent_rate(dofs: BodyDofs, groups: Sequence[DissipationGroup], velocity
 
 
 def strain_per_length(region: Region) -> float:
-    """Equivalent strain rate per length of a cone vector: both dissipate the same.
+    """Return the equivalent strain rate per length of a cone vector of equal dissipation.
 
-    Where strength depends on pressure as of lengths of ``(eps_xx - eps_yy, gamma)``; where it
-    varies from place to place as of von Mises.
+    For pressure-dependent strength it is that of lengths of ``(eps_xx - eps_yy, gamma)``; if
+    strength varies with place, that of von Mises.
     """
     form = region.form
     if form.surfaces or isinstance(form.bound, Field):
@@ -50,17 +50,17 @@ def strain_per_length(region: Region) -> float:
 
 
 def deviatoric(principal: Floats) -> Floats:
-    """Equivalent strain, or its rate, of principal ones of shape (3, ...)."""
+    """Return the equivalent strain, or its rate, of principal ones of shape (3, ...)."""
     deviator = principal - principal.mean(axis=0)
     return np.asarray(np.sqrt(2 / 3 * np.sum(deviator**2, axis=0)))
 
 
 def principal_rates(dofs: BodyDofs, velocity: Floats) -> Floats:
-    """Principal strain rates at the strain points, shape (3, elements, q), 1/s.
+    """Return the principal strain rates at the strain points, shape (3, elements, q), 1/s.
 
     Args:
-        dofs: of the body.
-        velocity: of its nodes, shape (d, nodes), m/s.
+        dofs: unknowns of the body.
+        velocity: velocity of its nodes, shape (d, nodes), m/s.
     """
     field = dofs.basis.interpolate(velocity.T.ravel())
     gradient = np.asarray(field.grad)

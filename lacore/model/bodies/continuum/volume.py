@@ -1,13 +1,13 @@
-"""In what theta must vanish: as many conditions of volume as elements can bear (T24, T27).
+"""Conditions on theta: as many conditions of volume as elements allow (T24, T27).
 
-A projection of theta at the strain points, orthogonal in their weights, so that mean stresses are
-projected by it too: what it takes away does no work. Of quadrilaterals it leaves bilinear
-functions. Of triangles all, but at crossings: where the edges at a vertex of four triangles lie on
-two straight lines, the gradients of a continuous velocity make
-``theta_1 - theta_2 + theta_3 - theta_4 = 0`` there by themselves: of the twelve conditions of four
-straight triangles in the plane one says nothing. With curved edges, or with the hoop strain rate at
-interior points, it says almost nothing, but not nothing: a constraint without a meaning in the
-continuum, whose multiplier has no bound under refinement. It is taken away.
+They are a projection of theta at the strain points, orthogonal in their weights, which also
+projects the mean stresses: the removed part does no work. On quadrilaterals bilinear functions
+remain. On triangles all remain except at crossings: where the edges at a vertex of four triangles
+lie on two straight lines, the gradients of a continuous velocity satisfy ``theta_1 - theta_2 +
+theta_3 - theta_4 = 0`` there, so one of the twelve conditions of four straight plane triangles is
+redundant. With curved edges, or with the hoop strain rate at interior points, it is almost
+redundant: a constraint without a meaning in the continuum, whose multiplier is unbounded under
+refinement. It is removed.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 def volumetric_rows(
     dofs: "BodyDofs", region: Region, rows: Callable[[Floats, Ints], Sparse]
 ) -> Sparse:
-    """Volumetric rows of a region, those that must vanish projected, shape (m L, n).
+    """Return the volumetric rows of a region, projected if they must vanish, shape (m L, n).
 
     Args:
-        dofs: of the body.
-        region: of it.
-        rows: of coefficients (r, components) in elements, r a strain point.
+        dofs: unknowns of the body.
+        region: region of the body.
+        rows: function of coefficients (r, components) in elements, with r strain points.
     """
     form, projected = region.form, _projected(dofs, region)
     if not projected.any():
@@ -49,10 +49,10 @@ def volumetric_rows(
 
 
 def conditions(dofs: "BodyDofs", region: Region) -> Sparse | None:
-    """Conditions of a region that do not depend on each other, (k, m); None: all its rows.
+    """Return the independent conditions of a region, (k, m); None: all its rows.
 
-    See `lacore.program.dissipation.DissipationGroup.conditions`. Those of the rows of surfaces are
-    equations of each point with multipliers of its own.
+    See `lacore.program.dissipation.DissipationGroup.conditions`. The rows of surfaces are equations
+    of each point with separate multipliers.
     """
     if region.form.surfaces or not (dofs.space.pressures is not None or _crossed(dofs)):
         return None
@@ -78,9 +78,9 @@ def conditions(dofs: "BodyDofs", region: Region) -> Sparse | None:
 
 
 def _bases(dofs: "BodyDofs") -> tuple[Ints, Floats]:
-    """Strain points of each projection, (b, r), and an orthonormal basis of it, (b, k, r).
+    """Return the strain points of each projection, (b, r), and an orthonormal basis, (b, k, r).
 
-    Of theta times roots of weights, as `volume_projector` is orthogonal then.
+    They apply to theta times roots of weights, for which `volume_projector` is orthogonal.
     """
     count, roots = dofs.weights.shape[1], np.sqrt(dofs.weights)
     if dofs.space.pressures is not None:
@@ -93,10 +93,11 @@ def _bases(dofs: "BodyDofs") -> tuple[Ints, Floats]:
 
 
 def _beside(mode: Floats) -> Floats:
-    """Orthonormal basis of what is orthogonal to a mode of four elements (b, 4, q): (b, 4q-1, 4q).
+    """Return an orthonormal basis orthogonal to a mode of four elements (b, 4, q).
 
-    With as many zeros as there can be: all but one of the q within each element, then one within
-    either pair of them. What is dense here fills the factors of a solver.
+    The shape is (b, 4q-1, 4q). It has as many zeros as possible: all but one of the q vectors are
+    within each element, then one within each pair of them. Dense bases would fill the factors of a
+    solver.
     """
     b, _, q = mode.shape
     size = np.linalg.norm(mode, axis=2)
@@ -121,10 +122,10 @@ def _beside(mode: Floats) -> Floats:
 
 
 def judged_means(dofs: "BodyDofs", means: Sequence[Floats]) -> list[Floats]:
-    """Mean stresses of regions as criteria judge them, shape (m L,) each, Pa.
+    """Return the mean stresses of regions for criteria, shape (m L,) each, Pa.
 
-    Of a criterion that does not feel them as smooth as the elements have them; of one that does at
-    the strain points, where on quadrilaterals only their projection does work.
+    If a criterion does not depend on them, they are as smooth as on the elements; else they are
+    those at the strain points, where on quadrilaterals only their projection does work.
     """
     regions, count = dofs.body.regions, dofs.weights.size
     columns = [
@@ -149,23 +150,23 @@ def judged_means(dofs: "BodyDofs", means: Sequence[Floats]) -> list[Floats]:
 
 
 def _projected(dofs: "BodyDofs", region: Region) -> Bools:
-    """Volumetric rows that are projected, shape (L,): those that must vanish.
+    """Return which volumetric rows are projected, shape (L,): those that must vanish.
 
-    On quadrilaterals, which would lock where friction is small, all; nothing is taken from others:
-    flow that dilates has all conditions it needs.
+    On quadrilaterals, which would lock with small friction, all are projected. On other elements
+    dilatant flow keeps all its conditions.
     """
     preserved = region.form.preserved
     return np.ones_like(preserved) if dofs.space.pressures is not None else preserved
 
 
 def _points(dofs: "BodyDofs", region: Region) -> Ints:
-    """Numbers of the strain points of a region among those of its body."""
+    """Return the numbers of the strain points of a region among those of its body."""
     count = dofs.weights.shape[1]
     return np.asarray((count * region.elements[:, None] + np.arange(count)).ravel())
 
 
 def volume_projector(dofs: "BodyDofs") -> Sparse:
-    """From theta at all strain points to what must vanish, and of mean stresses, shape (m, m).
+    """Return the projection of theta at all strain points, and of mean stresses, shape (m, m).
 
     The volume of each quadrilateral, and of four triangles at a crossing together, is kept.
     """
@@ -181,13 +182,16 @@ def volume_projector(dofs: "BodyDofs") -> Sparse:
 
 
 def _crossed(dofs: "BodyDofs") -> bool:
-    """Whether crossings have a combination that says almost nothing, but not nothing."""
+    """Return whether crossings have an almost redundant condition."""
     return not dofs.linear and len(dofs.body.mesh.t) == 3
 
 
 def _onto(weights: Floats, functions: Floats) -> Sparse:
-    """Element by element onto functions (q, v), orthogonal in weights of shape (elements, q)."""
-    weighted = functions[None] * weights[:, :, None]  # (elements, q, v)
+    """Return the projection by element onto functions (q, v).
+
+    It is orthogonal in weights of shape (elements, q).
+    """
+    weighted = functions[None] * weights[:, :, None]  # shape (elements, q, v)
     blocks = functions @ np.linalg.solve(functions.T @ weighted, weighted.transpose(0, 2, 1))
     count, q, _ = blocks.shape
     columns = np.arange(count * q).reshape(count, 1, q)
@@ -197,7 +201,10 @@ def _onto(weights: Floats, functions: Floats) -> Sparse:
 
 
 def _alternating_sums(dofs: "BodyDofs") -> Sparse:
-    """Theta of the four elements at crossings, with alternating signs, from the strain points."""
+    """Return the alternating sums of theta of the four elements at crossings.
+
+    They are rows over the strain points.
+    """
     elements, corner = _crossings(dofs)
     count = dofs.space.points.shape[1]
     values = _alternating(dofs, corner)
@@ -208,15 +215,15 @@ def _alternating_sums(dofs: "BodyDofs") -> Sparse:
 
 
 def _alternating(dofs: "BodyDofs", corner: Ints) -> Floats:
-    """Factors of theta at the strain points of four elements, (crossings, 4, q)."""
+    """Return the factors of theta at the strain points of four elements, (crossings, 4, q)."""
     signs = np.array([1.0, -1.0, 1.0, -1.0])
     return np.asarray(dofs.space.to_vertices()[corner] * signs[:, None])
 
 
 def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
-    """Elements around inner vertices of four triangles, in turn, and which corner of each it is.
+    """Return the elements around inner vertices of four triangles, in turn, and their corners.
 
-    Both of shape (crossings, 4). Of crossings that share elements only some are taken.
+    Both have the shape (crossings, 4). Of crossings that share elements only some are used.
     """
     mesh = dofs.body.mesh
     inner = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices) == 4
@@ -231,7 +238,7 @@ def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
         flows[region.elements] = region.form.preserved[0]
     whole = flows[around].all(axis=1)
     around, corners = around[whole], corners[whole]
-    # An element may have two or three such vertices: it goes with the first.
+    # An element may have two or three such vertices, and belongs to the first.
     first = np.full(mesh.nelements, len(around))
     np.minimum.at(first, around.ravel(), np.repeat(np.arange(len(around)), 4))
     own = (first[around] == np.arange(len(around))[:, None]).all(axis=1)

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @singledispatch
 def in_pores(load: Load, body: "Body", field: str) -> Floats:
-    """Pressure in the pores at the vertices of a body, Pa, shape (vertices,): 0 of other loads.
+    """Return the pore pressure at the vertices of a body, Pa, (vertices,); 0 for other loads.
 
     Raises:
-        InputError: suction, NaN, values of another mesh, a water table that passes through
+        InputError: suction, NaN, values of another mesh, or a water table that passes through
             elements; it names the `field` of the load.
     """
     return np.zeros(body.mesh.nvertices)
@@ -34,10 +34,10 @@ def _of_pores(load: PorePressure, body: "Body", field: str) -> Floats:
 
 
 def on_facets(load: StandingWater, body: "Body", facets: Ints, field: str) -> Floats:
-    """Pressure at the vertices on facets, 0 at the others, Pa, shape (vertices,).
+    """Return the pressure at the vertices on facets, 0 at the others, Pa, shape (vertices,).
 
     Raises:
-        InputError: as of `in_pores`.
+        InputError: see `in_pores`.
     """
     places = vertices(body.mesh)
     _require_linear(load.pressure, body, body.mesh.facets[:, facets], f"{field}.pressure")
@@ -49,7 +49,7 @@ def on_facets(load: StandingWater, body: "Body", facets: Ints, field: str) -> Fl
 
 @singledispatch
 def _require_linear(pressure: object, body: "Body", corners: Ints, field: str) -> None:
-    """Refuse what is known not to be linear between corners (k, parts), numbers of vertices."""
+    """Raise `InputError` for a pressure known not to be linear between corners (k, parts)."""
 
 
 @_require_linear.register(WaterTable)
@@ -71,6 +71,6 @@ def _of_table(pressure: WaterTable, body: "Body", corners: Ints, field: str) -> 
 
 
 def _cut(heights: Floats, level: float, allowed: float) -> int:
-    """How many parts a level passes through, by the heights of their corners, (k, parts)."""
+    """Return the number of parts that a level intersects, by their corner heights, (k, parts)."""
     low, high = heights.min(axis=0), heights.max(axis=0)
     return int(np.sum((low < level - allowed) & (high > level + allowed)))

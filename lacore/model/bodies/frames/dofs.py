@@ -2,10 +2,10 @@
 
 r is the size of the frame, so that all unknowns are velocities, m/s, and all forces, moments over r
 included, are N/m. A piece of length L turns at ``n.(u_end - u_start)/L``; a plastic hinge turns at
-that rate less phi of its node, and dissipates ``M_p |theta|`` (T6). The ends of a piece whose
-section has no limit to axial force have no velocity along it against each other; others yield along
-it, too, by modes of their own, and have a slide among the unknowns, m/s, behind those of all
-nodes: see `lacore.model.bodies.frames.modes`.
+that rate minus phi of its node, and dissipates ``M_p |theta|`` (T6). The ends of a piece whose
+section has no limit to axial force have no relative velocity along it. Others also yield along it
+by additional modes, and have a slide among the unknowns, m/s, after those of all nodes: see
+`lacore.model.bodies.frames.modes`.
 """
 
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ from lacore.reporting.showing import Compact
 
 @dataclass(frozen=True, repr=False)
 class FrameDofs(Compact):
-    """Where the velocity of a frame stands in the vector of all unknowns.
+    """Place of the velocity of a frame among all unknowns.
 
     Attributes:
         body: the frame.
@@ -37,7 +37,7 @@ class FrameDofs(Compact):
 
     body: Frame
     offset: int
-    degree = 0  # it touches other bodies in single nodes
+    degree = 0  # It touches other bodies in single nodes.
     bent = axisymmetric = False
 
     @property
@@ -67,19 +67,19 @@ class FrameDofs(Compact):
 
     @property
     def pieces_of_unknowns(self) -> Ints:
-        """One piece, whose members carry each other: shape (count,)."""
+        """One piece for all unknowns, as members carry each other: shape (count,)."""
         return np.zeros(self.count, dtype=np.int64)
 
     def parts(self, nodes: Ints) -> Ints:
-        """The nodes themselves."""
+        """Return the nodes."""
         return nodes
 
     def moving(self, nodes: Ints) -> Ints:
-        """What moves continuously: each node for itself."""
+        """Return the nodes, each of which moves separately."""
         return nodes
 
     def velocity_rows(self, nodes: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
-        """Rows of u_x and u_y of nodes, each of shape (k, n)."""
+        """Return the rows of u_x and u_y of nodes, each of shape (k, n)."""
         rows = np.arange(nodes.size)
         x, y = (
             csr_matrix(
@@ -90,11 +90,14 @@ class FrameDofs(Compact):
         return x, y
 
     def thickness(self, places: Floats) -> Floats:
-        """One metre."""
+        """Return a thickness of one metre."""
         return np.ones_like(places[0])
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """The modes, weights size^2: ``weight * stress`` is a moment. None where nothing yields."""
+        """Return the group of the modes with weights size^2; none if nothing yields.
+
+        ``weight * stress`` is a moment.
+        """
         modes = self.modes
         if not modes.piece.size:
             return ()
@@ -112,22 +115,25 @@ class FrameDofs(Compact):
         )
 
     def motion(self, velocity: Floats) -> Floats:
-        """u_x, u_y of the nodes, m/s, and rotation rates, rad/s, shape (3, nodes)."""
+        """Return u_x, u_y of the nodes, m/s, and rotation rates, rad/s, shape (3, nodes)."""
         own = velocity[self.offset : self.offset + self.nodal].reshape(-1, 3).T.copy()
         own[2] /= self.body.size
         return own
 
     def unknowns(self, motion: Floats) -> Floats:
-        """The inverse of `motion`, shape (nodal,)."""
+        """Return the inverse of `motion`, shape (nodal,)."""
         own = motion.copy()
         own[2] *= self.body.size
         return np.asarray(own.T.ravel())
 
     def end_forces(self, stress: Floats) -> tuple[Floats, Floats]:
-        """Tension (N/m) and moment (N) at both ends of all pieces, (P, 2), from stresses (K,).
+        """Return tension (N/m) and moment (N) at both ends of all pieces, (P, 2).
 
-        Moments are those of members on nodes, anticlockwise. NaN: tension where axial force has no
-        limit, moments of rigid members, which balance alone does not tell.
+        Args:
+            stress: stresses of the modes, (K,).
+
+        Moments are those of members on nodes, anticlockwise. NaN: tension if axial force has no
+        limit, and moments of rigid members, which equilibrium alone does not determine.
         """
         axial, moment = self.modes.forces(self.body.size**2 * stress)
         piece, side = self.modes.ends
@@ -142,21 +148,21 @@ class FrameDofs(Compact):
         return tension, bending
 
     def stress_of(self, stress: Floats, moment: Floats) -> Floats:
-        """Stresses (K,) with other moments of the rows of `hinges`, (E,), changed least."""
+        """Return the stresses (K,) for other moments (E,) of the rows of `hinges`, changed least."""
         weight = self.body.size**2
         axial, _ = self.modes.forces(weight * stress)
         return self.modes.with_forces(weight * stress, axial, moment) / weight
 
     def hinges(self, velocity: Floats, stress: Floats, rest: float) -> pd.DataFrame:
-        """Table of where it can yield, a row an end of a piece, then one a bar.
+        """Return a table of possible hinges, one row per end of a piece, then one per bar.
 
-        The plastic moment of a section that bears more in one sense is that in which it turns, or
-        else in the sense of M.
+        For a section with different strengths in both senses, the plastic moment is that of the
+        rotation, or else that of the sense of M.
 
         Args:
-            velocity: of all unknowns.
-            stress: of the modes, (K,).
-            rest: m/s: slower motions are none.
+            velocity: velocity of all unknowns.
+            stress: stresses of the modes, (K,).
+            rest: m/s: slower motions count as none.
         """
         body, pieces, (piece, side) = self.body, self.body.pieces, self.modes.ends
         axial, moment = self.modes.forces(body.size**2 * stress)
@@ -191,7 +197,10 @@ class FrameDofs(Compact):
         return table
 
     def _rates(self, velocity: Floats) -> tuple[Floats, Floats]:
-        """Rates of rotation, rad/s, and of elongation, m/s, at the ends of `Modes.ends`, (E,)."""
+        """Return the rates of rotation, rad/s, and of elongation, m/s, at the `Modes.ends`.
+
+        The shape is (E,).
+        """
         pieces, (piece, side) = self.body.pieces, self.modes.ends
         motion, bar = self.motion(velocity), side == WHOLE
         jump = motion[:2, pieces.end[piece]] - motion[:2, pieces.start[piece]]
@@ -208,7 +217,7 @@ class FrameDofs(Compact):
         return np.where(stiff, turning, 0.0), np.where(bar, stretch, shared)
 
     def force(self, load: Load) -> Floats:
-        """Forces of a load on the unknowns, shape (count,), N/m."""
+        """Return the forces of a load on the unknowns, shape (count,), N/m."""
         pieces, own = self.body.pieces, self.modes.slides
         along = np.sum(line_load(load, self.body) * pieces.along, axis=0) * pieces.length
         none = np.zeros(self.modes.beyond.shape[1])
@@ -216,28 +225,28 @@ class FrameDofs(Compact):
 
     @property
     def held(self) -> Floats:
-        """Forces on the unknowns of what sections carry in the middle of strengths, (count,), N/m.
+        """Forces of the centres of strengths on the unknowns, (count,), N/m.
 
-        Strength that differs in two senses is a strength alike in both, and these forces, which
-        are in balance by themselves.
+        A strength that differs in both senses is a symmetric strength plus these forces, which are
+        in equilibrium.
         """
         rows = rate_rows(self.body, self.modes, 0, self.count)
         return np.asarray(-(rows.T @ self.modes.centre))
 
     def line_loads(self, loads: Iterable[Load]) -> Floats:
-        """Loads of this frame along members on all pieces together, N/m per m, (2, P)."""
+        """Return the loads of this frame along members on all pieces, N/m per m, (2, P)."""
         every = [line_load(load, self.body) for load in loads]
         return np.asarray(np.sum([np.zeros(self.body.pieces.along.shape), *every], axis=0))
 
     def load_across(self, loads: Iterable[Load]) -> Floats:
-        """Their share across all pieces, to the left of each, N/m per m, (P,)."""
+        """Return the component of loads across all pieces, to the left of each, N/m per m, (P,)."""
         along = self.body.pieces.along
         return np.asarray(np.sum(np.stack([-along[1], along[0]]) * self.line_loads(loads), axis=0))
 
     def free(self, supports: Iterable[Fix]) -> Sparse:
-        """Basis of the velocities that members and supports leave free, shape (count, free).
+        """Return a basis of the velocities that members and supports allow, shape (count, free).
 
-        A node where no member end carries moment has no rotation.
+        A node without a member end that carries moment has no rotation.
         """
         pieces, held = self.body.pieces, self._held(supports)
         turns = np.zeros(held.shape[0], dtype=bool)
@@ -249,11 +258,11 @@ class FrameDofs(Compact):
         return csr_matrix(basis @ null_space(self._kept()[:, moves]))
 
     def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
-        """Places (2, k) of the held nodes, and what supports exert there: forces, moments (3, k).
+        """Return the places (2, k) of held nodes, and forces and moments of supports there (3, k).
 
         Args:
-            force: what supports and members exert on the unknowns, shape (count,), N/m.
-            supports: of this frame. Where they are redundant along members, the least forces.
+            force: forces of supports and members on the unknowns, shape (count,), N/m.
+            supports: supports of this frame. If they are redundant along members, the least forces.
         """
         held = self._held(supports)
         exerted = np.zeros(self.count)
@@ -266,7 +275,7 @@ class FrameDofs(Compact):
         return self.body.position[:, nodes], result
 
     def _held(self, supports: Iterable[Fix]) -> Bools:
-        """Which of u_x, u_y and w of each node supports hold, (N, 3)."""
+        """Return which of u_x, u_y and w of each node supports hold, (N, 3)."""
         held = np.zeros((len(self.body.names), 3), dtype=bool)
         for support in supports:
             nodes = self.body.find(support.where, "Fix.where")
@@ -274,10 +283,10 @@ class FrameDofs(Compact):
         return held
 
     def _kept(self) -> Floats:
-        """Rows of rates that are 0, m/s, (k, count).
+        """Return the rows of rates that are 0, m/s, (k, count).
 
-        How fast pieces without axial limit would get longer, and how fast ends of rigid ones would
-        turn against their nodes, times their length.
+        These are the elongation of pieces without axial limit, and the rotation of rigid ends
+        against their nodes, times their length.
         """
         pieces, sections = self.body.pieces, self.body.section_of
         stretch = np.array([not sections[member].extends for member in pieces.member])

@@ -35,7 +35,7 @@ from lacore.reporting.errors import InputError, require_known, require_positive
 from lacore.reporting.showing import Facts, Shown, counted, listed
 from lacore.reporting.text import Term, text
 
-_TOLERANCE = 1e-6  # of the size: coordinates written with seven digits agree to this
+_TOLERANCE = 1e-6  # by the size: coordinates written with seven digits agree to this
 HELD_COMPONENTS = {
     "x": (True, False, False),
     "y": (False, True, False),
@@ -53,30 +53,31 @@ class Frame(Shown):
     A node that lies on a member, within `tolerance`, splits it: the member may hinge there, on
     either side, and is joined to what else meets there. Members that cross elsewhere pass each
     other. Where a `PointForce` acts at coordinates on a member, `Problem` adds the node. Nodes are
-    the only places of hinges; under loads along a member `solve` adds those where its moments peak.
+    the only places of hinges; under loads along a member `solve` adds nodes where its moments peak.
 
     Moments are per unit thickness, N m/m = N, like forces, N/m.
 
     Attributes:
         nodes: places (x, y) by name, m.
         members: ``(node, node)`` by name; those of a sequence are called "A-B".
-        plastic_moment: M_p of all members that have no section, or by member, N.
+        plastic_moment: M_p of all members without a section, or by member, N.
         releases: ``(member, node)``: ends without moment. A node that one member reaches needs
-            none: it turns with its member unless a support clamps it.
+            none: it turns with its member unless a support fixes its rotation.
         tolerance: m; 1e-6 of the size if None.
-        sections: of all members, or by member: see `lacore.sections`. Their axial force and moment
+        sections: sections of all members, or by member: see `lacore.sections`. Their axial force
+            and moment
             interact, bars carry axial force alone; a plain M_p has no limit to axial force.
-        names: of nodes, (N,).
-        member_names: (M,).
-        position: of the nodes, (2, N), m.
+        names: names of nodes, (N,).
+        member_names: names of members, (M,).
+        position: places of the nodes, (2, N), m.
         size: diagonal of the bounding box, m.
-        section_of: of each member, (M,).
+        section_of: section of each member, (M,).
         pieces: see `Pieces`.
 
     Raises:
         InputError: unknown or unused nodes, nodes at one place, members without length or on top
             of each other, M_p that is missing, given twice or not positive, bars with nodes inside,
-            parts that no member joins.
+            or unconnected parts.
 
     Example:
         >>> nodes = {"A": (0, 0), "B": (0, 3), "C": (4, 3)}
@@ -93,7 +94,7 @@ class Frame(Shown):
     tolerance: float | None = None
     sections: Section | Mapping[str, Section] | None = None
     dimension: ClassVar[int] = 2
-    pointwise: ClassVar[bool] = True  # it touches others in single nodes
+    pointwise: ClassVar[bool] = True  # It touches others in single nodes.
     deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
     names: tuple[str, ...] = field(init=False, repr=False)
@@ -154,7 +155,7 @@ class Frame(Shown):
         return f"{members}, {counted(len(self.names), 'node')}"
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the members, nodes and strengths, for printing."""
         finite = [own.plastic_moment for own in self.section_of if own.bends and not own.rigid]
         low, high = min(finite, default=0.0), max(finite, default=0.0)
         named = dict.fromkeys(own.name for own in self.section_of if own.extends or own.rigid)
@@ -174,10 +175,10 @@ class Frame(Shown):
         return self.position.min(axis=1), self.position.max(axis=1)
 
     def find(self, where: Where, field: str) -> Ints:
-        """Numbers of nodes: of a name, of names, or of a predicate on coordinates (2, n) -> (n,).
+        """Return the numbers of nodes: by a name, names, or a predicate on coordinates (2, n).
 
         Raises:
-            InputError: an unknown name, nothing selected; it names `field`.
+            InputError: an unknown name, or nothing selected; it names `field`.
         """
         if callable(where):
             inside = np.asarray(where(self.position))
@@ -202,13 +203,13 @@ class Frame(Shown):
         return chosen
 
     def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
-        """Nodes, and edges of length 0 there without a normal; errors name the `field`."""
+        """Return nodes, and edges of length 0 there without a normal; errors name the `field`."""
         nodes = self.find(where, field)
         place = self.position[:, nodes]
         return nodes, Edges(place, place, np.zeros_like(place))
 
     def curves(self, nodes: Ints) -> EdgeCurves:
-        """Nodes as curves of length 0."""
+        """Return the nodes as curves of length 0."""
         place = self.position[:, nodes]
         return EdgeCurves(place, place, place)
 
@@ -217,13 +218,13 @@ class Frame(Shown):
         nodal(load, self)
 
     def with_points(self, points: Iterable[Sequence[float]]) -> Frame:
-        """With a node wherever a point lies on a member: it may hinge there."""
+        """Return the frame with a node wherever a point lies on a member: it may hinge there."""
         return self.split_at(points)
 
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Nothing: what touches or holds any node of it holds all of it."""
+        """Do nothing, because a contact or support at any node holds all of it."""
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""
@@ -231,13 +232,13 @@ class Frame(Shown):
         require_known(f"{field}.components", support.components, HELD_COMPONENTS)
 
     def node_at(self, at: Sequence[float]) -> int | None:
-        """Number of the node at a place, None where there is none."""
+        """Return the number of the node at a place, None where there is none."""
         away = np.linalg.norm(self.position - np.reshape(at, (2, 1)), axis=0)
         nearest = int(np.argmin(away))
         return nearest if away[nearest] <= self.allowed else None
 
     def split_at(self, points: Iterable[Sequence[float]]) -> Frame:
-        """The frame with further nodes at those of the points that lie inside a member.
+        """Return the frame with further nodes at those of the points that lie inside a member.
 
         They are called "member(x, y)".
 
@@ -262,11 +263,11 @@ class Frame(Shown):
         return frame
 
     def crossed_at(self, point: Sequence[float]) -> bool:
-        """Whether members cross at a point that no node joins."""
+        """Return whether members cross at a point that no node joins."""
         return self.node_at(point) is None and len(self._members_at(point)) > 1
 
     def _members_at(self, point: Sequence[float]) -> list[str]:
-        """Members with a piece that a point lies inside of."""
+        """Return the members with a piece that a point lies inside of."""
         ends = self.position[:, self.pieces.nodes]
         place = np.reshape(np.asarray(point, dtype=np.float64), (2, 1))
         inside = on_lines(place, ends[:, :, 0], ends[:, :, 1], self.allowed)[0][:, 0]
@@ -275,12 +276,12 @@ class Frame(Shown):
     @property
     def allowed(self) -> float:
         """Distance up to which coordinates count as one, m."""
-        assert self.tolerance is not None  # since it was built
+        assert self.tolerance is not None  # set in the constructor
         return self.tolerance
 
 
 def _kept(value: Any) -> Any:
-    """A mapping that nobody changes, or the value itself; of numbers a float."""
+    """Return a read-only mapping, or the value itself; a number as float."""
     if isinstance(value, Mapping):
         return MappingProxyType(dict(value))
     return value if value is None or isinstance(value, Section) else float(value)

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 @singledispatch
 def nodal(load: Load, body: "Frame") -> Floats:
-    """Forces and moments of a load at the nodes, shape (N, 3), N/m and 0.
+    """Return the forces and moments of a load at the nodes, shape (N, 3), N/m and 0.
 
     Raises:
-        InputError: a load that frames do not carry, or at no node or member.
+        InputError: a load that frames do not support, or at no node or member.
     """
     raise InputError(
         f"{type(load).__name__}.body",
@@ -72,7 +72,7 @@ def _loaded_node(load: PointForce, body: "Frame") -> int:
 
 @singledispatch
 def line_load(load: Load, body: "Frame") -> Floats:
-    """A load along members on all pieces, N/m per m, (2, P): 0 on those of others."""
+    """Return a load along members on all pieces, N/m per m, (2, P): 0 on other members."""
     return np.zeros(body.pieces.along.shape)
 
 

@@ -1,4 +1,4 @@
-"""Members of frames: read, checked, and cut into straight pieces from node to node."""
+"""Members of frames: read, checked, and cut into straight pieces between nodes."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -32,11 +32,11 @@ class Pieces(Compact):
     """Parts of members from node to node: rigid, and as straight as the member.
 
     Attributes:
-        member: numbers, (P,).
+        member: numbers of members, (P,).
         start, end: node numbers, (P,).
         along: unit direction of the member, (2, P).
-        length: (P,), m.
-        plastic_moment: (P,), N; 0 of bars, infinite of what is rigid.
+        length: lengths, (P,), m.
+        plastic_moment: plastic moments, (P,), N; 0 for bars, infinite for rigid pieces.
         stiff: whether the start and the end carry moment, (P, 2).
     """
 
@@ -55,7 +55,7 @@ class Pieces(Compact):
 
 
 def read_nodes(nodes: Mapping[str, tuple[float, float]]) -> tuple[tuple[str, ...], Floats]:
-    """Names (N,) and places (2, N) of nodes; raises `InputError` where one is none."""
+    """Return names (N,) and places (2, N) of nodes; raises `InputError` if one is invalid."""
     if not isinstance(nodes, Mapping) or not nodes:
         raise InputError("Frame.nodes", None, "there is none with a name", "give {'A': (x, y)}")
     for name, place in nodes.items():
@@ -68,7 +68,7 @@ def read_nodes(nodes: Mapping[str, tuple[float, float]]) -> tuple[tuple[str, ...
 
 
 def read_members(members: Members, nodes: tuple[str, ...]) -> dict[str, tuple[str, str]]:
-    """Node names by member; raises `InputError` for a member that is none."""
+    """Return the node names by member; raises `InputError` if a member is invalid."""
     if isinstance(members, Mapping):
         given: Iterable[tuple[object, Any]] = members.items()
     elif isinstance(members, Sequence) and not isinstance(members, str):
@@ -103,7 +103,10 @@ def read_sections(
     sections: Section | Mapping[str, Section] | None,
     members: tuple[str, ...],
 ) -> tuple[Section, ...]:
-    """Sections of the members; raises `InputError` where one is none, missing or given twice."""
+    """Return the sections of the members; raises `InputError` if one is invalid.
+
+    A missing section, or one given twice, is invalid as well.
+    """
     found = _given_sections(sections, members)
     if isinstance(moment, Mapping):
         for name, value in moment.items():
@@ -131,7 +134,7 @@ def read_sections(
 def _given_sections(
     sections: Section | Mapping[str, Section] | None, members: tuple[str, ...]
 ) -> dict[str, Section]:
-    """Sections by member, of those that have one; raises `InputError` where one is none."""
+    """Return the given sections by member; raises `InputError` if one is invalid."""
     if sections is None:
         return {}
     if isinstance(sections, Section):
@@ -148,7 +151,7 @@ def _given_sections(
 
 
 def _of_moment(moment: float) -> Section:
-    """A section without limit to axial force."""
+    """Return a section without limit to axial force."""
     return Section(((-inf, float(moment)), (inf, float(moment))), "M_p")
 
 
@@ -175,7 +178,7 @@ def require_apart(names: tuple[str, ...], position: Floats, tolerance: float) ->
 
 
 def on_lines(places: Floats, start: Floats, end: Floats, tolerance: float) -> tuple[Bools, Floats]:
-    """Which places (2, k) lie inside which lines (2, m), and how far along: (m, k)."""
+    """Return which places (2, k) lie inside which lines (2, m), and how far along: (m, k)."""
     along = end - start
     length = np.linalg.norm(along, axis=0)
     away = places[:, None, :] - start[:, :, None]
@@ -188,7 +191,7 @@ def on_lines(places: Floats, start: Floats, end: Floats, tolerance: float) -> tu
 def split_members(
     position: Floats, ends: Ints, sections: Sequence[Section], tolerance: float
 ) -> Pieces:
-    """Members, given by end nodes (M, 2), cut at the nodes that lie on them."""
+    """Return members, given by end nodes (M, 2), cut at the nodes that lie on them."""
     moments = np.array([section.plastic_moment for section in sections])
     start, end = position[:, ends[:, 0]], position[:, ends[:, 1]]
     length = np.linalg.norm(end - start, axis=0)
@@ -219,7 +222,7 @@ def read_releases(
     nodes: tuple[str, ...],
     pieces: Pieces,
 ) -> Bools:
-    """Which ends of pieces carry moment, (P, 2); raises `InputError` for an unknown release."""
+    """Return which ends of pieces carry moment, (P, 2); raises `InputError` if one is unknown."""
     stiff = pieces.stiff.copy()
     if not isinstance(releases, Sequence) or isinstance(releases, str):
         raise InputError("Frame.releases", releases, "not a list", "give [(member, node), ...]")
@@ -269,7 +272,7 @@ def require_whole_bars(
     sections: Sequence[Section],
     pieces: Pieces,
 ) -> None:
-    """Raise `InputError` where a bar has a node inside, which it would turn about freely."""
+    """Raise `InputError` if a bar has a node inside, about which it would turn freely."""
     cut = np.bincount(pieces.member, minlength=len(members)) > 1
     for piece, member in enumerate(pieces.member.tolist()):
         if cut[member] and not sections[member].bends:
@@ -288,7 +291,7 @@ def require_joined(
     ends: Ints,
     pieces: Pieces,
 ) -> None:
-    """Raise `InputError` for a node without member, and for parts that nothing joins."""
+    """Raise `InputError` for a node without member, and for unconnected parts."""
     unused = np.setdiff1d(np.arange(len(nodes)), pieces.nodes)
     if unused.size:
         start, along = position[:, ends[:, 0]], position[:, ends[:, 1]] - position[:, ends[:, 0]]

@@ -1,10 +1,10 @@
-"""Ways in which members yield: each a rate, and a strength against it.
+"""Yield modes of members: each has a rate, and a strength against it.
 
 At an end of a piece the section of the member turns by theta and, where it yields to axial force,
 stretches by D. It has the modes of `lacore.model.bodies.frames.ways`, ``|a D + t theta + ...|``
-with a strength in N m. What a piece gets longer, both of its ends share: ``D = stretch/2 +-
-slide``, with the slide an unknown of its own, so that N differs from end to end under loads along
-the member. A bar stretches as a whole. Moments are positive where they sag
+with a strength in N m. Both ends share the elongation of a piece: ``D = stretch/2 +- slide``, with
+the slide a separate unknown, so that N may differ between the ends under loads along the member. A
+bar stretches as a whole. Moments are positive where they sag
 (`lacore.model.bodies.frames.section`), as the start of a piece does that turns anticlockwise, and
 its end clockwise.
 """
@@ -19,22 +19,24 @@ from lacore.model.bodies.frames.ways import ways_of
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.reporting.showing import Compact
 
-WHOLE = -1  # the side of a mode that is the whole piece's
+WHOLE = -1  # side of a mode of the whole piece
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Modes(Compact):
-    """Of a frame, by piece, and end by end.
+    """Modes of a frame, by piece, and end by end.
 
     Attributes:
-        piece, side: of each mode, (K,); side 0 at the start, 1 at the end, -1 of the whole piece.
-        end: number of the end (or whole) it belongs to, (K,): modes of one follow each other.
+        piece, side: piece and side of each mode, (K,); side 0 at the start, 1 at the end, -1 for
+            the whole piece.
+        end: number of the end (or whole piece) it belongs to, (K,): modes of one end are
+            consecutive.
         stretch: a, 1/m; per m/s of elongation, (K,).
         turn: t, (K,).
         strength: N m per unit thickness, (K,).
         slides: pieces with an unknown slide, (S,).
-        beyond: what unknowns of single ends add to rates, behind the slides, (K, X).
-        centre: what each mode carries in the middle of its strength, N m, (K,).
+        beyond: contribution of unknowns of single ends to rates, after the slides, (K, X).
+        centre: force of each mode in the middle of its strength, N m, (K,).
     """
 
     piece: Ints
@@ -49,7 +51,7 @@ class Modes(Compact):
 
     @property
     def unknowns(self) -> int:
-        """How many there are besides those of nodes."""
+        """Number of unknowns in addition to those of nodes."""
         return int(self.slides.size + self.beyond.shape[1])
 
     @property
@@ -59,7 +61,7 @@ class Modes(Compact):
         return self.piece[first], self.side[first]
 
     def forces(self, stress: Floats) -> tuple[Floats, Floats]:
-        """Tension N/m and moment N of each end, (E,), from what each mode carries, N m, (K,)."""
+        """Return tension N/m and moment N of each end, (E,), from forces of modes, N m, (K,)."""
         count, carried = int(self.end.max(initial=-1)) + 1, self.centre + stress
         axial, moment = (
             np.bincount(self.end, own * carried, count).astype(np.float64)
@@ -68,7 +70,7 @@ class Modes(Compact):
         return axial, moment
 
     def with_forces(self, stress: Floats, axial: Floats, moment: Floats) -> Floats:
-        """What modes carry, changed as little as it takes for other forces of the ends, (K,)."""
+        """Return the forces of modes, changed least, for other forces of the ends, (K,)."""
         before = np.stack(self.forces(stress))
         change = np.nan_to_num(np.stack([axial, moment]) - before)
         new = stress.copy()
@@ -79,7 +81,7 @@ class Modes(Compact):
 
 
 def modes_of(frame: Frame) -> Modes:
-    """All modes of a frame: stiff ends in the order of the pieces, then bars."""
+    """Return all modes of a frame: stiff ends in the order of the pieces, then bars."""
     pieces, size = frame.pieces, frame.size
     found: list[tuple[int, int, int, float, float, float, float]] = []
     beyond: list[Floats] = []
@@ -111,15 +113,15 @@ def modes_of(frame: Frame) -> Modes:
     piece, side, end_of = numbers[:3].astype(np.int64)
     stretch, turn, strengths, centres = numbers[3:]
     every = np.array(slides, dtype=np.int64)
-    # Of arrays alone scipy is to make another kind of matrix from 1.20 on, and warns.
+    # For lists of arrays only, scipy will make a different kind of matrix from 1.20 on, and warns.
     more = csr_matrix(block_diag([csr_matrix((0, 0)), *beyond]))
     return Modes(piece, side, end_of, stretch, turn, strengths, every, more, centres)
 
 
 def rate_rows(frame: Frame, modes: Modes, offset: int, n: int) -> Sparse:
-    """Rows of the rates of all modes over n unknowns, (K, n).
+    """Return the rows of the rates of all modes over n unknowns, (K, n).
 
-    Slides follow the nodes, and what single ends have follows slides.
+    Slides follow the nodes, and unknowns of single ends follow the slides.
     """
     pieces, piece = frame.pieces, modes.piece
     whole = modes.side == WHOLE

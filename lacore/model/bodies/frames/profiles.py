@@ -1,7 +1,7 @@
-"""Rolled I-sections: areas and first moments from their dimensions, and a table of those.
+"""Rolled I-sections: areas and first moments from their dimensions, and a table of dimensions.
 
-Nominal dimensions of EN 10365:2017, mm: height, width, web, flange, fillet. What is tabulated
-beside them (area, W_pl) follows from them, fillets included, and tests hold it against the tables.
+Nominal dimensions of EN 10365:2017, mm: height, width, web, flange, fillet. The tabulated area and
+W_pl follow from them, fillets included, and tests compare them with the tables.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,10 @@ from lacore.reporting.errors import InputError, is_number, require_positive
 
 @dataclass(frozen=True)
 class Profile:
-    """An I-section: `height`, `width` over all, `web`, `flange` thick, `fillet` radius, m."""
+    """I-section.
+
+    Overall `height` and `width`, thickness of `web` and `flange`, `fillet` radius, m.
+    """
 
     height: float
     width: float
@@ -32,7 +35,7 @@ class Profile:
             )
 
     def area(self, y: Floats) -> Floats:
-        """Area nearer to the middle than y, 0 <= y <= height/2, m^2."""
+        """Return the area closer to the middle than y, 0 <= y <= height/2, m^2."""
         round_, flange = self._beyond(y)
         r = self.fillet
         root = np.sqrt(np.maximum(r**2 - round_**2, 0.0))
@@ -42,12 +45,12 @@ class Profile:
         return np.asarray(2 * (self.web * y + 2 * corner + (self.width - self.web) * flange))
 
     def moment(self, y: Floats) -> Floats:
-        """First moment of what is farther from the middle than y, of both halves, m^3."""
+        """Return the first moment of the part beyond y, of both halves, m^3."""
         whole = self._first(np.array([self.height / 2]))
         return np.asarray(whole - self._first(y))
 
     def _first(self, y: Floats) -> Floats:
-        """First moment of what is nearer than y, m^3."""
+        """Return the first moment of the part closer than y, m^3."""
         round_, flange = self._beyond(y)
         r, foot = self.fillet, self.height / 2 - self.flange - self.fillet
         root = np.sqrt(np.maximum(r**2 - round_**2, 0.0))
@@ -59,7 +62,7 @@ class Profile:
         return np.asarray(2 * parts)
 
     def _beyond(self, y: Floats) -> tuple[Floats, Floats]:
-        """How far y reaches into the fillet, and into the flange, m."""
+        """Return how far y reaches into the fillet, and into the flange, m."""
         web = self.height / 2 - self.flange
         fillet = np.clip(y - (web - self.fillet), 0.0, self.fillet)
         return fillet, np.maximum(y - web, 0.0)

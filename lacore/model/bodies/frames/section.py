@@ -1,8 +1,9 @@
-"""Cross-sections of members: what axial force and moment they carry together.
+"""Cross-sections of members: yield under combined axial force and moment.
 
 A section yields on a convex polygon of N and M around ``N = M = 0``. M is positive where it bends
 the member to the left, seen from its first node: tension is on the right, below a beam drawn from
-left to right (sagging). What an end of a member dissipates is in `lacore.model.bodies.frames.ways`.
+left to right (sagging). The dissipation at the end of a member is in
+`lacore.model.bodies.frames.ways`.
 """
 
 from __future__ import annotations
@@ -18,34 +19,34 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, is_plane_vector, require_known, require_range
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-9  # of the largest: coordinates of corners that are equal
+_ROUND_OFF = 1e-9  # by the largest: coordinates of equal corners
 SIDES = INNER, OUTER = "inner", "outer"
 Corners = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Section(Compact):
-    """What a cross-section carries; builders are in `lacore.sections`.
+    """Strength of a cross-section; builders are in `lacore.sections`.
 
     Attributes:
-        corners: of the yield polygon, its upper side, ``((N, M), ...)`` from compression (N < 0)
-            to tension, N and N m per unit thickness; N is infinite of members without limit
-            to it: ``((-inf, M_p), (inf, M_p))``.
-        name: for messages and tables.
-        side: ``inner`` or ``outer`` of a polygon inside or around a yield curve, whose load factors
-            are lower or upper bounds; empty where the polygon is the yield surface itself.
+        corners: corners of the upper side of the yield polygon, ``((N, M), ...)`` from compression
+            (N < 0) to tension, N and N m per unit thickness; N is infinite for members without
+            limit to it: ``((-inf, M_p), (inf, M_p))``.
+        name: name for messages and tables.
+        side: ``inner`` or ``outer`` for a polygon inside or around a yield curve, whose load
+            factors are lower or upper bounds; empty if the polygon is the yield surface itself.
         other: corners of the polygon on the other side of that curve.
-        lower: its lower side, likewise; None: the mirror image, of what bears the same M in either
-            sense. Then M >= 0 in `corners`.
+        lower: lower side, likewise; None: the mirror image, for equal M in both senses. Then M >= 0
+            in `corners`.
         plastic_moment: the largest M of the polygon in either sense, N.
         sagging: the largest M > 0, N: tension below a beam that is drawn from left to right.
         hogging: the largest M in the other sense, N, > 0.
-        squash_load: half the width of the polygon, N/m: the largest N of what bears as much in
-            tension as in compression.
+        squash_load: half the width of the polygon, N/m: the largest N if tension and compression
+            are equal.
         middle: N_0 of that width, N/m.
 
     Raises:
-        InputError: corners that are no sides of a convex polygon, or leave ``N = M = 0`` outside.
+        InputError: corners that are not sides of a convex polygon, or leave ``N = M = 0`` outside.
 
     Example:
         >>> diamond = la.sections.Section(corners=((-1e3, 0.0), (0.0, 50.0), (1e3, 0.0)))
@@ -84,7 +85,7 @@ class Section(Compact):
         object.__setattr__(self, "middle", (first + last) / 2 if isfinite(last) else 0.0)
 
     def on_side(self, side: str) -> Section:
-        """The section with its polygon on a side of the yield curve; itself where it has none."""
+        """Return the section with its polygon on a side of the yield curve; itself without one."""
         if not self.side or self.side == side:
             return self
         assert self.other is not None
@@ -114,7 +115,7 @@ class Section(Compact):
 
     @property
     def outline(self) -> Floats:
-        """All corners of a polygon that is finite, anticlockwise, each once, (k, 2)."""
+        """All corners of a finite polygon, anticlockwise, each once, (k, 2)."""
         upper, lower = self.chains
         points = np.concatenate([lower, upper[::-1]])
         largest = np.maximum(np.abs(points).max(axis=0), np.finfo(float).tiny)
@@ -129,7 +130,7 @@ class Section(Compact):
         """Sides ``n N + m M <= 1 + (n, m) . centre`` about a centre of the polygon.
 
         Returns:
-            (n, m), shape (k, 2), and the centre, (2,): of a finite polygon that carries both.
+            (n, m), shape (k, 2), and the centre, (2,), of a finite polygon with both strengths.
         """
         points = self.outline
         along = np.roll(points, -1, axis=0) - points
@@ -141,9 +142,9 @@ class Section(Compact):
         return normal / reach[:, None], centre
 
     def use(self, axial: Floats, moment: Floats) -> Floats:
-        """Factor by which N and M are beyond the polygon, at most 1 inside, shapes (k,).
+        """Return the factor by which N and M exceed the polygon, at most 1 inside, shapes (k,).
 
-        From the centre of the polygon; of one that is a segment, from its middle.
+        It is measured from the centre of the polygon; for a segment, from its middle.
         """
         if self.rigid or not (self.bends or self.extends):
             return np.zeros(moment.shape)
@@ -158,7 +159,7 @@ class Section(Compact):
 
 
 def _read(where: str, corners: Sequence[Sequence[float]], sense: float) -> Floats:
-    """Corners (k, 2) of the upper (1) or the lower (-1) side of a convex polygon, checked."""
+    """Return the corners (k, 2) of the upper (1) or lower (-1) side of a polygon, checked."""
     if not isinstance(corners, Sequence | np.ndarray) or len(corners) < 2:
         raise InputError(where, corners, "no polygon", "give ((-N, M), ..., (N, M))")
     first, last = corners[0], corners[-1]
@@ -187,7 +188,7 @@ def _read(where: str, corners: Sequence[Sequence[float]], sense: float) -> Float
 
 
 def _check_around(upper: Floats, lower: Floats, mirrored: bool) -> None:
-    """Both sides of one polygon around ``N = M = 0``."""
+    """Check that both sides form one polygon around ``N = M = 0``."""
     shown = [tuple(own) for own in upper.tolist()]
     if mirrored and np.any(upper[:, 1] < 0):
         raise InputError(

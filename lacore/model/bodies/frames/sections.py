@@ -1,8 +1,8 @@
 """Cross-sections of members: plastic moments, N-M polygons, struts, by dimensions and by name.
 
 Strengths are per unit thickness of the frame, N and N/m; of a single frame read N m and N. Moment
-and axial force interact as the exact plastic stress distributions of the section say: with the
-neutral axis at a distance y from its middle, what is nearer carries the axial force, the rest the
+and axial force interact by the exact plastic stress distributions of the section: with the neutral
+axis at a distance y from its middle, the closer part carries the axial force and the rest the
 moment, ``N(y) = f A(y)`` and ``M(y) = f S(y)``. The curve is replaced by a polygon inside it, whose
 load factors are safe, or around it.
 """
@@ -45,12 +45,12 @@ LAYERS = 8
 
 
 def plastic(plastic_moment: float, hogging: float | None = None) -> Section:
-    """A plastic moment whatever the axial force: the same as ``plastic_moment=`` of a frame.
+    """Return a plastic moment for any axial force, equal to ``plastic_moment=`` of a frame.
 
     Args:
-        plastic_moment: where it sags, with tension on the right of the member, seen from its first
-            node: below a beam that is drawn from left to right.
-        hogging: in the other sense; the same where it is None, 0 of what bears none.
+        plastic_moment: moment in sagging, with tension on the right of the member, seen from its
+            first node: below a beam that is drawn from left to right.
+        hogging: moment in the other sense; equal if None, 0 without strength.
 
     Example:
         >>> la.sections.plastic(100e3).plastic_moment
@@ -67,13 +67,13 @@ def plastic(plastic_moment: float, hogging: float | None = None) -> Section:
 
 
 def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Section:
-    """The polygon around pairs (N, M) that a section can carry, in any order.
+    """Return the convex polygon around pairs (N, M) that a section can carry, in any order.
 
-    As what it carries is convex, it is safe to join what was computed, or to read it off a diagram.
+    The strength is convex, so it is safe to join computed values, or values from a diagram.
 
     Args:
-        points: N/m, tension positive, and N, positive where it sags (see `plastic`).
-        name: for messages and tables.
+        points: N/m, tension positive, and N, positive in sagging (see `plastic`).
+        name: name for messages and tables.
 
     Example:
         >>> la.sections.polygon([(1, 0), (0, 1), (-1, 0), (0, -1)]).plastic_moment
@@ -94,7 +94,7 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Section
             "enclose nothing",
             "give three that are not in line; of axial force alone take bar(), of moment plastic()",
         ) from None
-    # Anticlockwise, from the lower one of the leftmost: first the lower side, then the upper one.
+    # The corners are anticlockwise from the lower one of the leftmost: first the lower side.
     corners = np.roll(corners, -np.lexsort(corners.T[::-1])[0], axis=0)
     last = np.flatnonzero(corners[:, 0] == corners[:, 0].max())
     lower, upper = corners[: last[0] + 1], corners[last[-1] :][::-1]
@@ -104,15 +104,15 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Section
 
 
 def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
-    """A section of fibres, or of strips yielding as a whole: reinforced concrete, tees, masonry.
+    """Return a section of fibres, or of strips: reinforced concrete, tees, masonry.
 
-    A strip at its centroid bears what it bears, so that of a solid section the corners of the
-    polygon lie on the exact curve, and it is safe.
+    Strips yield as a whole at their centroids. For a solid section the corners of the polygon then
+    lie on the exact curve, and the polygon is safe.
 
     Args:
-        parts: of each fibre ``(y, tension, compression)``: height above the axis of the member, m,
+        parts: ``(y, tension, compression)`` of each fibre: height above the axis of the member, m,
             to its left seen from the first node, and its strengths, N/m.
-        name: for messages and tables.
+        name: name for messages and tables.
 
     Example:
         >>> two = la.sections.fibres([(0.05, 10e3, 10e3), (-0.05, 10e3, 10e3)])
@@ -130,12 +130,12 @@ def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
         steps = np.stack([both, -y * both], axis=1)[order]
         chains.append(np.concatenate([first[None], first + np.cumsum(steps, axis=0)]))
     upper, lower = chains
-    lower[-1] = upper[-1]  # the same sums, but for round-off
+    lower[-1] = upper[-1]  # the same sums up to round-off
     return Section(tuple(map(tuple, upper.tolist())), name, tuple(map(tuple, lower.tolist())))
 
 
 def _read_fibres(parts: Sequence[Sequence[float]]) -> Floats:
-    """Heights and strengths of fibres, (3, n); raises `InputError` where they are none."""
+    """Return heights and strengths of fibres, (3, n); raises `InputError` if they are invalid."""
     shown = list(parts) if isinstance(parts, Sequence | np.ndarray) else parts
     good = isinstance(shown, list) and all(len(part) == 3 for part in shown if np.ndim(part) == 1)
     if not (good and shown and all(np.ndim(part) == 1 for part in shown)):
@@ -151,7 +151,7 @@ def _read_fibres(parts: Sequence[Sequence[float]]) -> Floats:
 
 
 def rigid() -> Section:
-    """What never yields: an arm, a plate, a pier.
+    """Return a section that never yields: an arm, a plate, a pier.
 
     Example:
         >>> la.sections.rigid().plastic_moment
@@ -161,14 +161,13 @@ def rigid() -> Section:
 
 
 def bar(tension: float = inf, compression: float | None = None) -> Section:
-    """A pin-ended strut: axial strength alone, N/m; without any rigid.
+    """Return a pin-ended strut with axial strength alone, N/m; rigid by default.
 
-    It carries no moment, so that members of it take no loads along them, and have their ends
-    nowhere but at nodes.
+    It carries no moment, so its members take no loads along them, and have their ends at nodes.
 
     Args:
-        tension: strength; 0 of a prop that only presses.
-        compression: the same where it is None; less of what buckles, 0 of a cable.
+        tension: strength; 0 for a prop that only carries compression.
+        compression: equal to tension if None; smaller for buckling, 0 for a cable.
 
     Example:
         >>> la.sections.bar(tension=10e3).plastic_moment
@@ -189,12 +188,12 @@ def bar(tension: float = inf, compression: float | None = None) -> Section:
 def rectangle(
     width: float, height: float, yield_stress: float, layers: int = LAYERS, polygon: str = "inner"
 ) -> Section:
-    """A solid rectangle: M_p = f b h^2/4, ``M/M_p = 1 - (N/N_p)^2``.
+    """Return a solid rectangle: M_p = f b h^2/4, ``M/M_p = 1 - (N/N_p)^2``.
 
     Args:
         width, height: m; it bends over its height.
         yield_stress: f, Pa.
-        layers: sides of the polygon between N = 0 and N_p.
+        layers: number of sides of the polygon between N = 0 and N_p.
         polygon: ``inner``: its corners lie on the curve; ``outer``: its sides touch it.
 
     Example:
@@ -220,14 +219,15 @@ def i_section(
     layers: int = LAYERS,
     polygon: str = "inner",
 ) -> Section:
-    """An I-section with parallel flanges, bent about its strong axis; all lengths in m.
+    """Return an I-section with parallel flanges, bent about its strong axis; lengths in m.
 
     Args:
-        height, width: over all.
+        height, width: overall dimensions.
         web, flange: thicknesses.
-        fillet: radius between them, 0 of welded ones.
+        fillet: radius between them, 0 if welded.
         yield_stress: Pa.
-        layers: sides of the polygon between N = 0 and N_p, half of them for web and flange each.
+        layers: number of sides of the polygon between N = 0 and N_p, half of them for web and
+            flange each.
         polygon: ``inner`` or ``outer``, see `rectangle`.
 
     Example:
@@ -244,13 +244,13 @@ def i_section(
 def standard(
     name: str, yield_stress: float, layers: int = LAYERS, polygon: str = "inner"
 ) -> Section:
-    """A rolled section by its name: "IPE 300", "HEA 200", bent about its strong axis.
+    """Return a rolled section by its name: "IPE 300", "HEA 200", bent about its strong axis.
 
     Dimensions are those of EN 10365 (IPE of 80 to 600 mm, HEA of 100 to 300).
 
     Args:
-        name: with or without the space.
-        yield_stress: Pa; 235e6, 275e6, 355e6 of steels that are called after it.
+        name: name with or without the space.
+        yield_stress: Pa; 235e6, 275e6 or 355e6 for S235, S275 or S355.
         layers, polygon: see `i_section`.
 
     Raises:
@@ -283,7 +283,7 @@ def _of_profile(
 
 
 def _of_curve(stations: Floats, axial: Floats, moment: Floats, polygon: str, name: str) -> Section:
-    """A section with one of the two polygons of its curve, which knows the other one."""
+    """Return a section with one of the two polygons of its curve, with a reference to the other."""
     require_known("polygon", polygon, SIDES)
     inner, outer = (_corners(stations, axial, moment, side) for side in SIDES)
     own, other = (outer, inner) if polygon == OUTER else (inner, outer)
@@ -291,7 +291,7 @@ def _of_curve(stations: Floats, axial: Floats, moment: Floats, polygon: str, nam
 
 
 def _corners(stations: Floats, axial: Floats, moment: Floats, polygon: str) -> Corners:
-    """Both halves of a polygon from places of the neutral axis, where ``dM/dN = -y``."""
+    """Return both halves of a polygon from places of the neutral axis, where ``dM/dN = -y``."""
     if polygon == OUTER:
         met = np.diff(moment + stations * axial) / np.diff(stations)
         height = moment[:-1] - stations[:-1] * (met - axial[:-1])

@@ -1,14 +1,15 @@
-"""Ways in which an end of a member yields, so that they dissipate what its polygon supports.
+"""Yield modes of an end of a member whose dissipation is the support function of its polygon.
 
-A polygon with a centre is a sum of segments, one a pair of opposite sides: ``(N, M) = (N_0, M_0) +
-sum s_j (n_j, m_j)/2``, ``|s_j| <= 1`` (a zonogon). Stretched by D and turned by theta it dissipates
-``N_0 D + M_0 theta + sum |n_j D + m_j theta|/2``: as if it consisted of fibres, each with a
-strength of its own, and held a force and a moment. That is so of all sections that are of fibres.
+A polygon with a centre is a sum of segments, one per pair of opposite sides: ``(N, M) = (N_0, M_0)
++ sum s_j (n_j, m_j)/2``, ``|s_j| <= 1`` (a zonogon). Stretched by D and turned by theta it
+dissipates ``N_0 D + M_0 theta + sum |n_j D + m_j theta|/2``: as if it consisted of fibres, each
+with its own strength, plus a constant force and moment. All sections of fibres are of this kind.
 
-Any other polygon is cut out of a box: with the sides ``a_i . (N, M) <= s_i``, and ``l_i`` the least
-on the left, ``y = A (N, M)`` lies in ``l <= y <= s``, so that the dissipation is the least of
-``sum (s_i - l_i)/2 |mu_i| + (s_i + l_i)/2 mu_i`` over the mu with ``A^T mu = (D, theta)``: rates of
-the sides, of which all but two are unknowns of their own. So N-M interaction is a linear program.
+Any other polygon is cut out of a box: with the sides ``a_i . (N, M) <= s_i``, and ``l_i`` the
+smallest value on the left, ``y = A (N, M)`` lies in ``l <= y <= s``, so that the dissipation is the
+minimum of ``sum (s_i - l_i)/2 |mu_i| + (s_i + l_i)/2 mu_i`` over the mu with ``A^T mu = (D,
+theta)``: rates of the sides, all but two of which are separate unknowns. N-M interaction is
+therefore a linear program.
 """
 
 from dataclasses import dataclass
@@ -18,19 +19,19 @@ import numpy as np
 from lacore.model.bodies.frames.section import Section
 from lacore.numerics.arrays import Floats
 
-_ROUND_OFF = 1e-9  # of the largest: corners that mirror each other, sides that are parallel
+_ROUND_OFF = 1e-9  # by the largest: corners that mirror each other, and parallel sides
 
 
 @dataclass(frozen=True)
 class Ways:
-    """Of one end: r rates ``a D + t theta + beyond . x``, with e unknowns x of its own, 1/s.
+    """Modes of one end: r rates ``a D + t theta + beyond . x``, with e separate unknowns x, 1/s.
 
     Attributes:
         stretch: a, 1/m, (r,).
         turn: t, (r,).
         beyond: shape (r, e).
-        strength: against rates of either sign, N m, (r,).
-        centre: what each carries in the middle of both, N m, (r,).
+        strength: strength against rates of either sign, N m, (r,).
+        centre: force of each mode in the middle of both, N m, (r,).
     """
 
     stretch: Floats
@@ -41,7 +42,7 @@ class Ways:
 
 
 def ways_of(section: Section, stiff: bool) -> Ways:
-    """Of a section that bends, where it carries moment, or only axial force."""
+    """Return the modes of a section that bends, with moment or only axial force at this end."""
     if not section.extends:
         half, middle = (section.sagging + section.hogging) / 2, section.sagging - section.hogging
         return _fibres(np.array([[0.0, half]]), 1.0, np.array([0.0, middle / 2]))
@@ -69,7 +70,7 @@ def ways_of(section: Section, stiff: bool) -> Ways:
 
 
 def _axial(section: Section) -> tuple[float, float]:
-    """Least and largest N beside M = 0, N/m."""
+    """Return the smallest and largest N at M = 0, N/m."""
     points = section.outline
     found = []
     for one, other in zip(points, np.roll(points, -1, axis=0), strict=True):
@@ -81,7 +82,7 @@ def _axial(section: Section) -> tuple[float, float]:
 
 
 def _fibres(sides: Floats, arm: float, middle: Floats) -> Ways:
-    """Those of halves of segments (r, 2) about a middle (2,)."""
+    """Return the modes of halves of segments (r, 2) about a middle (2,)."""
     strength = np.abs(sides[:, 0]) * arm + np.abs(sides[:, 1])
     stretch, turn = (sides / strength[:, None]).T
     centre = np.linalg.lstsq(np.stack([stretch * arm, turn]), middle * [arm, 1.0])[0]
@@ -89,14 +90,14 @@ def _fibres(sides: Floats, arm: float, middle: Floats) -> Ways:
 
 
 def _slabs(points: Floats, section: Section, arm: float) -> Ways:
-    """Those of the slabs between each side and the farthest corner."""
+    """Return the modes of the slabs between each side and the farthest corner."""
     scale = np.array([section.squash_load, section.plastic_moment])
     corners = points / scale
     along = np.diff(corners, axis=0, append=corners[:1])
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     kept: list[Floats] = []
-    for own in normals:  # of parallel sides one slab
+    for own in normals:  # Parallel sides have one slab.
         if not any(abs(own[0] * one[1] - own[1] * one[0]) <= _ROUND_OFF for one in kept):
             kept.append(own)
     slabs = np.array(kept)

@@ -1,1 +1,1 @@
-"""New meshes of bodies that have deformed: outline, sizes, quality of the old elements."""
+"""New meshes of deformed bodies: outline, sizes, quality of the old elements."""

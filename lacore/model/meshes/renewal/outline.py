@@ -1,4 +1,4 @@
-"""A new mesh inside the outline of an old one, and inside the outlines of its regions."""
+"""New mesh inside the outline of an old one, and inside the outlines of its regions."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from lacore.model.meshes.renewal.triangles import apart, triangulated
 from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.errors import InputError, require_known, require_positive, typed
 
-_CORNER = np.cos(np.radians(20.0))  # between edges that are parts of one smooth side
-_SAMPLES = 8  # parts of an old edge, in which its length is measured
-_SAME = 1e-9  # of the size of the mesh
-_LEAST_JACOBIAN = 0.1  # of its mean in an element: below, edges are made straighter
+_CORNER = np.cos(np.radians(20.0))  # cosine between edges of one smooth side
+_SAMPLES = 8  # parts of an old edge for the measurement of its length
+_SAME = 1e-9  # by the size of the mesh
+_LEAST_JACOBIAN = 0.1  # by its mean in an element, below which edges are straightened
 _LEAST = 3  # edges of a closed line
 _GAUSS = np.array([1 - 1 / np.sqrt(3), 1 + 1 / np.sqrt(3)]) / 2
 
 
 @dataclass(frozen=True)
 class _Outline:
-    """New edges of one closed line, in turn.
+    """New edges of one closed line, in order.
 
     Attributes:
-        start, middle: of each, shape (n, 2): the next one starts where it ends.
+        start, middle: start and middle of each, shape (n, 2): the next one starts where it ends.
         old: the old facet that each lies on, for its names, shape (n,).
     """
 
@@ -49,24 +49,24 @@ def remeshed(
     keep_edges: Sequence[str] = (),
     keep_regions: Sequence[str] = (),
 ) -> MeshTri2:
-    """Triangles of a length `size` in the outline of a mesh, with its boundary names.
+    """Return triangles of a length `size` in the outline of a mesh, with its boundary names.
 
     Corners, ends of named boundaries and the vertices in `keep` stay vertices. The same holds for
-    the outlines of the regions in `keep_regions`, whose areas stay as well. Between them edges
+    the outlines of the regions in `keep_regions`, whose areas are kept as well. Between them edges
     are about as long as `size`. Their vertices lie on the old outline, and their midside nodes are
     placed so that the area stays the same, unless this would invert an element.
 
     Args:
-        mesh: of triangles or quadrilaterals, edges straight or curved.
+        mesh: mesh of triangles or quadrilaterals with straight or curved edges.
         size: m, or a function that returns it at points of shape (2, n), such as
             `lacore.model.meshes.element_sizes`.
-        keep: vertices, on the outline or inside.
-        keep_edges: names of boundaries whose edges stay as they are.
-        keep_regions: names of regions (`mesh.subdomains`) that the new mesh has, too.
+        keep: vertices to keep, on the outline or inside.
+        keep_edges: names of boundaries whose edges are kept.
+        keep_regions: names of regions (`mesh.subdomains`) to keep.
 
     Raises:
-        InputError: gmsh is missing or fails; a size that is not positive; no vertex at a place, no
-            boundary of a name.
+        InputError: gmsh is missing or fails; a size that is not positive; no vertex at a place, or
+            an unknown boundary.
 
     Example:
         >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
@@ -103,9 +103,9 @@ class _Piece:
     """New triangles of one part.
 
     Attributes:
-        outlines: the outermost first.
-        points: (n, 2), those of the outlines first.
-        triangles: (m, 3).
+        outlines: outlines, the outermost first.
+        points: points (n, 2), those of the outlines first.
+        triangles: shape (m, 3).
     """
 
     outlines: list[_Outline]
@@ -114,7 +114,7 @@ class _Piece:
 
     @property
     def edges(self) -> tuple[Ints, Ints, Floats]:
-        """Of the outlines: ends (n, 2), old facets (n,) and midside nodes (n, 2)."""
+        """Edges of the outlines: ends (n, 2), old facets (n,) and midside nodes (n, 2)."""
         ends, first = [], 0
         for outline in self.outlines:
             turn = first + np.arange(len(outline.start))
@@ -128,7 +128,7 @@ class _Piece:
 
 
 def _parts(mesh: Mesh, regions: Mapping[str, Ints]) -> Ints:
-    """The connected part of a region, or of what is in none, that each element belongs to."""
+    """Return the connected part of a region, or of the rest, of each element."""
     owner = np.zeros((mesh.nelements, len(regions)), dtype=bool)
     for number, elements in enumerate(regions.values()):
         owner[elements, number] = True
@@ -139,7 +139,7 @@ def _parts(mesh: Mesh, regions: Mapping[str, Ints]) -> Ints:
 
 
 def _require_vertices(mesh: Mesh, keep: Floats) -> None:
-    """Raise `InputError` where a place that is kept has no vertex."""
+    """Raise `InputError` if a place to keep has no vertex."""
     far = _SAME * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
     for place in keep.tolist():
         if np.linalg.norm(vertices(mesh).T - place, axis=1).min() > far:
@@ -147,11 +147,11 @@ def _require_vertices(mesh: Mesh, keep: Floats) -> None:
 
 
 def _joined(mesh: Mesh, pieces: Sequence[_Piece], regions: Mapping[str, Ints]) -> MeshTri2:
-    """One mesh of all pieces, with the names of an old mesh.
+    """Return one mesh of all pieces, with the names of an old mesh.
 
     Args:
         mesh: the old one.
-        pieces: of its parts.
+        pieces: pieces of its parts.
         regions: numbers of the pieces by name.
 
     Raises:
@@ -187,15 +187,15 @@ def _joined(mesh: Mesh, pieces: Sequence[_Piece], regions: Mapping[str, Ints]) -
 
 
 def _merged(points: Floats, between: Ints, mesh: Mesh) -> Ints:
-    """Numbers of points (n, 2), one for those of several parts at one place.
+    """Return the numbers of points (n, 2), equal for points of several parts at one place.
 
     Args:
-        points: of all parts, one after the other.
+        points: points of all parts, one part after the other.
         between: those that lie on lines between two parts.
         mesh: the old one.
 
     Raises:
-        InputError: a point between parts that only one of them has.
+        InputError: a point between parts is in only one of them.
     """
     far = _SAME * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
     near = cKDTree(points[between]).query_pairs(far) if between.size else set()
@@ -212,7 +212,7 @@ def _merged(points: Floats, between: Ints, mesh: Mesh) -> Ints:
 
 
 def _upright(mesh: MeshTri2) -> MeshTri2:
-    """The mesh with straighter edges where its elements would be inverted."""
+    """Return the mesh with straighter edges where its elements would be inverted."""
     places = mesh.doflocs.copy()
     for share in (0.5, 0.5, 0.5, 0.0):
         values = jacobians(replace(mesh, doflocs=places))
@@ -229,15 +229,15 @@ def _upright(mesh: MeshTri2) -> MeshTri2:
 def _outlines(
     mesh: Mesh, part: Ints, number: int, sizes: Sizes, keep: Floats, held: Ints
 ) -> tuple[list[_Outline], Floats]:
-    """Those of a part, the outermost first; and the kept vertices inside of it.
+    """Return the outlines of a part, the outermost first, and the kept vertices inside of it.
 
     Args:
         mesh: the old one.
         part: number of the part that each element belongs to.
-        number: of the part.
-        sizes: of the new edges.
-        keep: vertices that stay, (n, 2).
-        held: edges that stay.
+        number: number of the part.
+        sizes: sizes of the new edges.
+        keep: vertices to keep, (n, 2).
+        held: edges to keep.
     """
     far = _SAME * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
     own = part == number
@@ -273,7 +273,7 @@ def _outlines(
 
 
 def _loops(mesh: Mesh, facets: Ints) -> list[tuple[Ints, Bools]]:
-    """Facets of closed lines in turn, and whether each is run through from start to end."""
+    """Return the facets of closed lines in order, and whether each runs from start to end."""
     ends = mesh.facets[:, facets]
     at: dict[int, list[int]] = {}
     for number, pair in enumerate(ends.T.tolist()):
@@ -296,14 +296,14 @@ def _loops(mesh: Mesh, facets: Ints) -> list[tuple[Ints, Bools]]:
 def _divided(
     curves: EdgeCurves, facets: Ints, breaks: Ints, fixed: Bools, sizes: Sizes
 ) -> _Outline:
-    """Sides between breaks, each divided by the sizes along it.
+    """Return the sides between breaks, each divided by the sizes along it.
 
     Args:
-        curves: edges, each of which starts where the one before ends.
+        curves: edges, each of which starts at the end of the last.
         facets: their numbers.
         breaks: edges with which a side starts.
         fixed: edges that are not divided.
-        sizes: of the new edges.
+        sizes: sizes of the new edges.
     """
     count = facets.size
     least = -(-_LEAST // breaks.size)  # edges of a side, so that a closed line has three
@@ -332,17 +332,17 @@ def _divided(
 
 
 def _on(side: EdgeCurves, places: Floats) -> Floats:
-    """Points of a side, shape (2, n), by number of the edge plus parameter on it."""
+    """Return the points of a side, shape (2, n), by edge number plus parameter."""
     edge = places.astype(np.int64).clip(max=side.start.shape[1] - 1)
     own = EdgeCurves(side.start[:, edge], side.middle[:, edge], side.end[:, edge])
     return own.at(places - edge)
 
 
 def _middles(side: EdgeCurves, at: Floats, ends: Floats) -> Floats:
-    """Midside nodes of new edges between points of a side, which enclose the same area with it.
+    """Return the midside nodes of new edges between points of a side, with the same area.
 
-    A quadratic edge encloses 2/3 of its bulge times its chord. A part of one old edge is that edge
-    again: its middle is that of the parameter, which may lie off the middle of the chord.
+    A quadratic edge encloses 2/3 of its bulge times its chord. A part of a single old edge follows
+    that edge: its middle is that of the parameter, which may lie off the middle of the chord.
     """
     numbers = np.arange(side.start.shape[1])
     swept = np.append(0.0, np.cumsum(_swept(side, numbers, np.ones(numbers.size))))
@@ -360,10 +360,10 @@ def _middles(side: EdgeCurves, at: Floats, ends: Floats) -> Floats:
 
 
 def _swept(side: EdgeCurves, edge: Ints, s: Floats) -> Floats:
-    """Areas that the line from the origin sweeps along edges up to parameters, m^2."""
+    """Return the areas that the line from the origin sweeps along edges up to parameters, m^2."""
     own = EdgeCurves(side.start[:, edge], side.middle[:, edge], side.end[:, edge])
     area = np.zeros(edge.size)
-    for share in _GAUSS:  # exact: the integrand is a cubic
+    for share in _GAUSS:  # exact, since the integrand is a cubic
         x, y = own.at(share * s)
         dx, dy = own.tangent(share * s)
         area += s * (x * dy - y * dx) / 4

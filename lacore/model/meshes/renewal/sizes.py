@@ -1,4 +1,4 @@
-"""Sizes of elements: how long edges are at places of a mesh."""
+"""Sizes of elements: length of edges at places of a mesh."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lacore.numerics.arrays import Floats
 Sizes = Callable[[Floats], Floats]
 """Lengths of edges, m, shape (n,), at points of shape (2, n)."""
 
-_NEIGHBOURS = 4  # vertices between which sizes are interpolated
+_NEIGHBOURS = 4  # number of vertices for the interpolation of sizes
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,14 @@ from lacore.model.meshes.renewal.sizes import Sizes, Uniform
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, install_command
 
-_INWARDS = 0.05  # of an edge: how far vertices are moved where a body is in contact with itself
+_INWARDS = 0.05  # by an edge: distance by which vertices are moved where a body touches itself
 
 
 def apart(lines: list[Floats]) -> list[Floats]:
-    """Closed lines that do not cross, the outermost first.
+    """Return closed lines that do not cross, the outermost first.
 
-    Where a body is in contact with itself they do, by little. Gmsh would not end then: all vertices
-    are moved into the body.
+    Where a body touches itself, lines cross slightly, and gmsh would not end: then all vertices are
+    moved into the body.
 
     Raises:
         InputError: they still cross.
@@ -47,7 +47,7 @@ def apart(lines: list[Floats]) -> list[Floats]:
 
 
 def triangulated(lines: Sequence[Floats], inside: Floats, sizes: Sizes) -> tuple[Floats, Ints]:
-    """Points (n, 2), those of the closed lines first, and triangles (m, 3), by gmsh."""
+    """Return points (n, 2), those of the closed lines first, and triangles (m, 3), by gmsh."""
     gmsh = load_gmsh()
     ours = not gmsh.isInitialized()
     if ours:
@@ -78,7 +78,7 @@ def triangulated(lines: Sequence[Floats], inside: Floats, sizes: Sizes) -> tuple
         nodes, places, _ = gmsh.model.mesh.getNodes()
         _, used = gmsh.model.mesh.getElementsByType(2)
         first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in corners]
-    except Exception as error:  # gmsh has no other
+    except Exception as error:  # gmsh has no other exception
         raise InputError("remeshed", str(error), "gmsh failed", "give another size") from error
     finally:
         gmsh.model.mesh.removeSizeCallback()
@@ -94,7 +94,7 @@ def triangulated(lines: Sequence[Floats], inside: Floats, sizes: Sizes) -> tuple
 
 @contextmanager
 def _pipes_as_before() -> Iterator[None]:
-    """Undo what gmsh does when it starts: a pipe that nobody reads would end the process."""
+    """Restore the signal handling that gmsh changes at its start, so closed pipes do no harm."""
     before = signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
     try:
         yield
@@ -107,11 +107,11 @@ def load_gmsh() -> Any:
     """Return the module `gmsh`.
 
     Raises:
-        InputError: it is missing, or lacks libraries of the system.
+        InputError: it is missing, or system libraries are missing.
     """
     try:
         import gmsh
-    except (ImportError, OSError) as error:  # OSError: it lacks libraries of the system
+    except (ImportError, OSError) as error:  # OSError: system libraries are missing
         raise InputError(
             "remeshed", None, f"gmsh cannot be loaded ({error})", install_command("gmsh")
         ) from error

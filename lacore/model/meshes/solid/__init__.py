@@ -1,1 +1,1 @@
-"""Meshes of tetrahedra: made, checked."""
+"""Meshes of tetrahedra: builders and checks."""

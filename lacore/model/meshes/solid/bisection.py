@@ -1,4 +1,4 @@
-"""Refinement of tetrahedra: some of them, names kept."""
+"""Local refinement of tetrahedra, with names kept."""
 
 from typing import Any
 
@@ -12,12 +12,11 @@ _NONE = -1
 
 
 def bisected_tetrahedra(mesh: MeshTet, elements: Ints) -> tuple[MeshTet, Ints]:
-    """The mesh with elements divided across their longest edge, and the parents of all.
+    """Return the mesh with elements divided across their longest edge, and the parents of all.
 
-    Neighbours are divided too, so that no node hangs: where an edge of an element is cut, its
-    longest one is, and it is cut across one after the other, the longest first. The two elements at
-    a face agree on the order of its edges, and so on its parts. Boundaries and elements keep their
-    names.
+    Neighbours are divided, too, so that no node hangs: if an edge of an element is cut, its longest
+    one is as well, and cuts are made in turn, the longest first. The two elements at a face agree
+    on the order of its edges, and so on its parts. Boundaries and elements keep their names.
 
     Source: Rivara & Levin, A 3-D refinement algorithm suitable for adaptive and multi-grid
         techniques, Comm. Appl. Num. Meth. 8, 1992.
@@ -41,7 +40,7 @@ def bisected_tetrahedra(mesh: MeshTet, elements: Ints) -> tuple[MeshTet, Ints]:
 
 
 def _parts(t: Ints, ends: Ints, rank: Ints, middle: Ints) -> tuple[Ints, Ints]:
-    """Tetrahedra and their parents, where edges with a rank are cut at vertices `middle`."""
+    """Return tetrahedra and their parents, with ranked edges cut at vertices `middle`."""
     count = int(max(t.max(), middle.max(initial=0))) + 1
     key = ends[0] * count + ends[1]
     order = np.argsort(key)
@@ -50,7 +49,7 @@ def _parts(t: Ints, ends: Ints, rank: Ints, middle: Ints) -> tuple[Ints, Ints]:
     done: list[Ints] = []
     owners: list[Ints] = []
     while t.size:
-        own = np.sort(t[ENDS], axis=0)  # (ends, edges, elements)
+        own = np.sort(t[ENDS], axis=0)  # shape (ends, edges, elements)
         wanted = own[0] * count + own[1]
         at = np.searchsorted(known, wanted).clip(max=max(known.size - 1, 0))
         found = known[at] == wanted if known.size else np.zeros(wanted.shape, dtype=bool)
@@ -71,13 +70,19 @@ def _parts(t: Ints, ends: Ints, rank: Ints, middle: Ints) -> tuple[Ints, Ints]:
 
 
 def _named(finer: MeshTet, mesh: MeshTet, parents: Ints, origin: Ints) -> Any:
-    """With the names of a coarser mesh; `origin`: the ends of edges that vertices halve, (2, n)."""
+    """Return the mesh with the names of a coarser one.
+
+    Args:
+        finer, mesh: the finer and the coarser mesh.
+        parents: parents of the elements.
+        origin: ends of the edges that vertices halve, (2, n).
+    """
     named = finer
     if mesh.boundaries:
         facets = finer.boundary_facets()
         from_ = np.sort(origin[:, finer.facets[:, facets]].reshape(6, -1), axis=0)
         first = np.concatenate([np.ones((1, facets.size), dtype=bool), from_[1:] != from_[:-1]])
-        # The corners of a part of a face lie on edges of it, and tell all three of its own.
+        # The corners of a part of a face lie on its edges, and identify all three of its corners.
         corners = from_.T[first.T].reshape(-1, 3)
         known = {tuple(own): number for number, own in enumerate(mesh.facets.T.tolist())}
         parent = np.array([known[tuple(own)] for own in corners.tolist()], dtype=np.int64)

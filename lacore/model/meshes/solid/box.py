@@ -26,12 +26,12 @@ def box(
     grade_y: tuple[float, float] | None = None,
     grade_z: tuple[float, float] | None = None,
 ) -> MeshTet:
-    """Tetrahedra of a box: `left`, `right` along x, `front`, `back` along y, `bottom`, `top`.
+    """Return a box of tetrahedra: `left`, `right`, `front`, `back` (y), `bottom`, `top`.
 
     Args:
         x, y, z: extents.
-        nx, ny, nz: cells in each direction.
-        crossed: 24 tetrahedra a cell around its centre and those of its faces, alike in all
+        nx, ny, nz: number of cells in each direction.
+        crossed: 24 tetrahedra per cell around its centre and those of its faces, equal in all
             directions; else six around the diagonal of the cell, whose faces contain the planes
             x = y, y = z and z = x through its corners (T89).
         grade_x, grade_y, grade_z: ``(at, ratio)``, see `lacore.model.meshes.graded`.
@@ -55,7 +55,7 @@ def box(
 
 
 def with_named_sides(mesh: Any) -> Any:
-    """A mesh of a box with its six sides named; by exact coordinates, as in the plane."""
+    """Return a mesh of a box with its six sides named, by exact coordinates."""
     low, high = mesh.p.min(axis=1), mesh.p.max(axis=1)
     own = mesh.boundary_facets()
     corner = mesh.p[:, mesh.facets[:, own]]
@@ -67,13 +67,13 @@ def with_named_sides(mesh: Any) -> Any:
 
 
 def _corner(number: Ints, offset: tuple[int, ...]) -> Ints:
-    """Numbers of the corner of each cell at an offset of zeros and ones."""
+    """Return the numbers of the corner of each cell at an offset of zeros and ones."""
     parts = tuple(slice(o, n - 1 + o) for o, n in zip(offset, number.shape, strict=True))
     return np.asarray(number[parts].ravel())
 
 
 def _halved(number: Ints) -> Ints:
-    """Six a cell: from its lowest corner to its highest, along the axes in any order."""
+    """Return six tetrahedra per cell, from the lowest corner along the axes in any order."""
     parts = []
     for order in permutations(range(3)):
         at = [0, 0, 0]
@@ -86,7 +86,7 @@ def _halved(number: Ints) -> Ints:
 
 
 def _crossed(points: Floats, number: Ints) -> tuple[Floats, Ints]:
-    """Places and tetrahedra of cells cut from their centres and those of their faces."""
+    """Return places and tetrahedra of cells cut from their centres and those of their faces."""
     shape = np.array(number.shape)
     places, parts = [points], []
     centre = number.size + np.arange(int(np.prod(shape - 1))).reshape(shape - 1)
@@ -96,7 +96,7 @@ def _crossed(points: Floats, number: Ints) -> tuple[Floats, Ints]:
     first = number.size + centre.size
     for axis in range(3):
         others = [other for other in range(3) if other != axis]
-        ring = []  # corners of the faces across the axis, in turn
+        ring = []  # corners of the faces across the axis, in order
         for turn in ((0, 0), (1, 0), (1, 1), (0, 1)):
             parts_of = [slice(None)] * 3
             for other, o in zip(others, turn, strict=True):

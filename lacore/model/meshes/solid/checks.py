@@ -1,4 +1,4 @@
-"""Tetrahedra that cannot be right, or that solvers cannot work on, are refused with place."""
+"""Checks that reject invalid or unsolvable tetrahedra with their place."""
 
 import numpy as np
 import shapely
@@ -16,17 +16,18 @@ from lacore.model.meshes.solid.shape import ENDS, signed_volumes
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError
 
-_FLAT = 1e-10  # volume over the cubed longest edge; below it gradients lose all their digits
-_ON = 1e-6  # of a face: nearer to it a vertex lies on the face; files write 6 digits at least
+# volume divided by the cubed longest edge, below which gradients lose all their digits
+_FLAT = 1e-10
+_ON = 1e-6  # by a face: a closer vertex lies on the face; files have at least 6 digits
 _WITHIN = 1e-9  # barycentric coordinate above which a place is in an element, not on its face
 
 
 def check_tetrahedra(mesh: MeshTet, field: str) -> None:
-    """Refuse what is no conforming cutting of one connected body into tetrahedra.
+    """Reject meshes that are not a conforming division of one connected body into tetrahedra.
 
     Raises:
         InputError: vertices that are not finite or not used, elements without volume, slivers,
-            inverted or overlapping elements, hanging nodes, parts.
+            inverted or overlapping elements, hanging nodes, or several parts.
     """
     check_finite(mesh, field)
     check_used(mesh, field)
@@ -79,7 +80,7 @@ def _check_facets(mesh: MeshTet, field: str) -> None:
 
 
 def _check_hanging(mesh: MeshTet, field: str) -> None:
-    """No vertex in a face, or on an edge, of an element that does not have it; both on the skin."""
+    """Reject vertices in a face, or on an edge, of another element; both on the boundary."""
     facets = mesh.boundary_facets()
     corner = mesh.p[:, mesh.facets[:, facets]]
     vertices = np.unique(mesh.facets[:, facets])
@@ -109,10 +110,10 @@ def _check_hanging(mesh: MeshTet, field: str) -> None:
 
 
 def _check_overlaps(mesh: MeshTet, field: str) -> None:
-    """No vertex, and no centre of an element, within an element that is not its own.
+    """Reject vertices, and centres of elements, within another element.
 
-    Of elements that do not fold over a neighbour, on faces of two elements at most: those that
-    overlap without it are of parts of the skin that cut each other.
+    Elements must not be folded over a neighbour, with at most two elements at a face: other
+    overlaps are between parts of the boundary that intersect.
     """
     corner = mesh.p[:, mesh.t]
     middle = corner.mean(axis=1)
@@ -138,7 +139,7 @@ def _check_overlaps(mesh: MeshTet, field: str) -> None:
 
 
 def _in_boxes(places: Floats, corner: Floats, room: Floats) -> tuple[Ints, Ints]:
-    """Pairs of places (3, n) and of elements, corners (3, a, e), whose boxes they lie in."""
+    """Return pairs of places (3, n) and elements, corners (3, a, e), whose boxes contain them."""
     low, high = corner.min(axis=1) - room, corner.max(axis=1) + room
     tree = shapely.STRtree(shapely.points(places[:2].T))
     element, near = tree.query(shapely.box(low[0], low[1], high[0], high[1]))

@@ -1,4 +1,4 @@
-"""Tetrahedra above a section of triangles."""
+"""Tetrahedra extruded from a section of triangles."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ def extruded(
     nz: int,
     grade_z: tuple[float, float] | None = None,
 ) -> MeshTet:
-    """Tetrahedra of a prism: three above each triangle of a section in each of its layers.
+    """Return a prism with three tetrahedra above each triangle of a section in each layer.
 
     Boundaries and regions of the section keep their names as sides and regions; the ends are
-    `start` and `end`. What the section says of curved boundaries holds of the sides.
+    `start` and `end`. A label of the section on curved boundaries applies to the sides.
 
     Args:
         section: straight-edged triangles in the plane z = 0.
-        z: from where to where.
-        nz: layers.
+        z: extent.
+        nz: number of layers.
         grade_z: ``(at, ratio)``, see `lacore.model.meshes.graded`.
 
     Raises:
-        InputError: no mesh of straight-edged triangles, a side of it named as an end; see `graded`.
+        InputError: not a mesh of straight-edged triangles, or a side with the name of an end; see
+            `graded`.
 
     Example:
         >>> section = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
@@ -87,9 +88,9 @@ def extruded(
 
 
 def _filled(section: MeshTri, rows: Floats) -> MeshTet:
-    """Each prism cut along diagonals that rise from the lower number of two vertices.
+    """Return the prisms cut along diagonals that rise from the lower number of two vertices.
 
-    So prisms that share a side agree on its diagonal.
+    Prisms that share a side thus agree on its diagonal.
     """
     count = section.nvertices
     places = np.concatenate(

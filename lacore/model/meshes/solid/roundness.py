@@ -1,4 +1,4 @@
-"""Whether flat faces replace a curved surface: what a mesh says of it, or its shape shows."""
+"""Test whether flat faces replace a curved surface, by a label or the shape of a mesh."""
 
 from typing import Any
 
@@ -10,12 +10,12 @@ from lacore.model.meshes.polygonal import geometry_of, label_of
 from lacore.numerics.arrays import Floats, Ints
 
 _PLANE = 4.5e-5  # rad: faces in one plane, up to coordinates of nine digits
-_SMALL = np.radians(61.0)  # an edge that is meant turns by more, if there are several in a row
-_IN_A_ROW = 4  # plane sides, three edges that turn between them
+_SMALL = np.radians(61.0)  # An intended edge turns by more, if there are several in a row.
+_IN_A_ROW = 4  # plane sides, with three edges between them
 
 
 def outline_of(mesh: Any) -> str:
-    """``exact`` or ``approximated``, of a mesh in the plane or in space."""
+    """Return ``exact`` or ``approximated`` for a plane or three-dimensional mesh."""
     return {2: geometry_of, 3: solid_geometry_of}[mesh.p.shape[0]](mesh)
 
 
@@ -25,10 +25,10 @@ def solid_geometry_of(mesh: Any) -> str:
 
 
 def looks_round(mesh: Any) -> bool:
-    """Whether the surface of a mesh of tetrahedra looks like flat faces in place of a curved one.
+    """Return whether the surface of tetrahedra looks like flat faces in place of a curved one.
 
-    Four plane sides or more follow one another by small angles to the same side. A polyhedron that
-    is meant can look the same (an octagonal prism).
+    At least four plane sides follow one another by small angles to the same side. An intended
+    polyhedron can look the same (an octagonal prism).
     """
     facets, (one, other), turn = _dihedrals(mesh)
     side = _parts(np.abs(turn) <= _PLANE, one, other, facets.size)
@@ -48,9 +48,9 @@ def _parts(linked: Any, one: Ints, other: Ints, count: int) -> Ints:
 
 
 def _dihedrals(mesh: Any) -> tuple[Ints, tuple[Ints, Ints], Floats]:
-    """Boundary faces, pairs that share an edge, and the turn between, rad.
+    """Return boundary faces, pairs that share an edge, and the angle between them, rad.
 
-    Positive where the body bulges.
+    It is positive where the body is convex.
     """
     facets = mesh.boundary_facets()
     corner = mesh.facets[:, facets].astype(np.int64)

@@ -10,15 +10,15 @@ ENDS = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]).T
 
 
 def signed_volumes(mesh: MeshTet) -> Floats:
-    """Volumes of tetrahedra, shape (elements,), m^3; the sign is that of their orientation."""
+    """Return the volumes of tetrahedra, (elements,), m^3, with the sign of their orientation."""
     a, b, c, d = mesh.p[:, mesh.t].transpose(1, 2, 0)
     return np.asarray(np.sum(np.cross(b - a, c - a) * (d - a), axis=1) / 6)
 
 
 def shapes(mesh: MeshTet) -> Floats:
-    """Shape of tetrahedra, (elements,): 1 of a regular one, 0 of one without volume.
+    """Return the shape of tetrahedra, (elements,): 1 for a regular one, 0 without volume.
 
-    ``6 sqrt(2) volume / l^3``, l the root of the mean of squared edges.
+    It is ``6 sqrt(2) volume / l^3``, with l the root of the mean of squared edges.
 
     Source: Parthasarathy, Graichen & Hathaway, A comparison of tetrahedron quality measures, Finite
         Elem. Anal. Des. 15, 1994.

@@ -1,11 +1,11 @@
 """Outlines of blocks in assemblies of compas, read from its JSON as data.
 
-The mesh of a block is ``{"vertex": {key: {x, y, z}}, "face": {key: [vertices]}}`` in all of them.
+In all versions the mesh of a block is ``{"vertex": {key: {x, y, z}}, "face": {key: [vertices]}}`` .
 It is found in
 
 - the nodes of a graph (compas_assembly 0.2 to 0.7), which compas wrapped as "value", later "data";
-- the elements of a model (compas_model, compas_dem), which nodes of its graph only refer to;
-- "blocks", beside a network whose vertices say which are supports (compas_assembly 0.1).
+- the elements of a model (compas_model, compas_dem), to which nodes of its graph refer;
+- "blocks", next to a network whose vertices mark supports (compas_assembly 0.1).
 
 Meshes are plane, or prisms across the plane of the wall.
 """
@@ -21,25 +21,26 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, is_number
 
 BLOCK, SUPPORT = "block", "support"
-_PLANES = ((2, (0, 1)), (1, (0, 2)), (0, (1, 2)))  # across it, and right and up in it
+# axis across the plane, and the axes to the right and up in it
+_PLANES = ((2, (0, 1)), (1, (0, 2)), (0, (1, 2)))
 _MOVES = "transformation"
-_FLAT = 1e-6  # of the size: compas writes coordinates as they were computed
+_FLAT = 1e-6  # by the size: compas writes unrounded coordinates
 
 
 def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
-    """Outlines of the blocks of an assembly, seen along y (x, z), along x (y, z), or from above.
+    """Return the outlines of the blocks of an assembly, seen along y (x, z), x (y, z), or z.
 
-    That is the first of these planes across which all blocks have one thickness: of plane blocks
-    theirs. The layer of a block is its attribute "layer", else "support" where it is one, else
-    "block"; its handle is the key of its node.
+    The first of these planes is used across which all blocks have one thickness; plane blocks have
+    their own plane. The layer of a block is its attribute "layer", else "support" for a support,
+    else "block"; its handle is the key of its node.
 
     Args:
-        path: of the file, for messages.
-        content: as `json` reads it.
-        layers: to take blocks of.
+        path: path of the file, for messages.
+        content: result of `json`.
+        layers: layers of the blocks.
 
     Raises:
-        InputError: no assembly, blocks that are not plane.
+        InputError: no assembly, or blocks that are not plane.
     """
     meshes = meshes_of(path, content)
     across, up = _plane(path, [points for _, _, (points, _) in meshes])
@@ -47,7 +48,7 @@ def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
     for key, layer, (points, faces) in meshes:
         if layer not in layers:
             continue
-        near = points[:, across] <= points[:, across].mean()  # of a plane mesh all
+        near = points[:, across] <= points[:, across].mean()  # all points for a plane mesh
         caps = [shapely.Polygon(points[face][:, up]) for face in faces if near[face].all()]
         outline = shapely.union_all([cap for cap in caps if cap.is_valid])
         if outline.geom_type != "Polygon" or shapely.get_num_interior_rings(outline):
@@ -59,7 +60,7 @@ def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
 
 
 def meshes_of(path: str, content: Any) -> list[tuple[str, str, tuple[Floats, list[list[int]]]]]:
-    """Key, layer, and mesh of each block: vertices (k, 3), and faces as their numbers."""
+    """Return key, layer, and mesh of each block: vertices (k, 3), and faces as their numbers."""
     nodes = _nodes(content)
     if nodes is None:
         raise InputError(
@@ -75,7 +76,7 @@ def meshes_of(path: str, content: Any) -> list[tuple[str, str, tuple[Floats, lis
 
 
 def _nodes(content: Any) -> dict[str, Any] | None:
-    """What is said of each block, wherever it stands: models before graphs, which repeat less."""
+    """Return the data of each block; models are preferred to graphs, which may repeat them."""
     for kind in (_of_model, _of_graph, _of_network):
         for own in _dictionaries(content):
             found = kind(own)
@@ -88,7 +89,7 @@ def _of_model(own: dict[str, Any]) -> dict[str, Any] | None:
     elements = own.get("elements")
     if not (isinstance(elements, dict | list) and elements and "graph" in own):
         return None
-    moved = {_MOVES: own.get(_MOVES)}  # of the model
+    moved = {_MOVES: own.get(_MOVES)}  # in the model
     named = elements.items() if isinstance(elements, dict) else enumerate(elements)
     return {str(key): [moved, element] for key, element in named}
 
@@ -109,7 +110,7 @@ def _of_network(own: dict[str, Any]) -> dict[str, Any] | None:
 
 
 def _dictionaries(content: Any) -> Iterator[dict[str, Any]]:
-    """A dictionary and those in it, outer ones first."""
+    """Yield a dictionary and those in it, outer ones first."""
     waiting = [content]
     while waiting:
         own = waiting.pop(0)
@@ -129,7 +130,7 @@ def _layer(node: Any) -> str:
 
 
 def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
-    """Vertices (k, 3), and faces as their numbers."""
+    """Return the vertices (k, 3), and faces as their numbers."""
     for own in _dictionaries(node):
         if own.get(_MOVES) is not None and not _rests(own[_MOVES]):
             raise refused(
@@ -144,7 +145,7 @@ def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
 
 
 def _vertices_and_faces(vertex: Any, face: Any) -> tuple[Floats, list[list[int]]] | None:
-    """A mesh from its entries by key; None where they are no mesh."""
+    """Return a mesh from its entries by key; None if they are not a mesh."""
     if not (isinstance(vertex, dict) and isinstance(face, dict) and face):
         return None
     places = [[point.get(axis, 0.0) for axis in "xyz"] for point in vertex.values()]
@@ -157,7 +158,7 @@ def _vertices_and_faces(vertex: Any, face: Any) -> tuple[Floats, list[list[int]]
 
 
 def _rests(transformation: Any) -> bool:
-    """Whether a transformation is none: the unit matrix."""
+    """Return whether a transformation is the identity."""
     for own in _dictionaries(transformation):
         if "matrix" in own:
             return bool(own["matrix"] == np.eye(4).tolist())
@@ -165,12 +166,12 @@ def _rests(transformation: Any) -> bool:
 
 
 def _plane(path: str, vertices: list[Floats]) -> tuple[int, list[int]]:
-    """The axis to look along, and the two that are seen, to the right and up."""
+    """Return the axis across the plane, and the two axes to the right and up."""
     every = np.concatenate(vertices)
     allowed = _FLAT * float(np.linalg.norm(np.ptp(every, axis=0)))
     for across, axes in _PLANES:
         low, high = every[:, across].min(), every[:, across].max()
-        # A wall of one height is none seen from above: only what has no thickness is drawn there.
+        # A wall of constant height is not drawn from above: only blocks without thickness are.
         if across == 2 and high - low > allowed:
             continue
         ends = [np.minimum(own[:, across] - low, high - own[:, across]) for own in vertices]

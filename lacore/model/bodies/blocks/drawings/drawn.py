@@ -1,4 +1,4 @@
-"""Blocks that were drawn, with their layers, densities, and what was made of the drawing."""
+"""Drawn blocks with their layers and densities, and a report on the drawing."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ GRAVITY = 9.80665  # m/s^2, standard (CGPM 1901)
 
 @dataclass(frozen=True, repr=False)
 class Layer(Compact):
-    """What the blocks of a layer are made of.
+    """Material of the blocks of a layer.
 
     Attributes:
         friction: law of joints between them: a Coulomb coefficient, `Coulomb`, `Tresca`, ...
-        density: kg/m^3; 0 of what is held anyway.
+        density: kg/m^3; 0 for blocks that are held.
 
     Example:
         >>> stone = la.masonry.Layer(friction=0.6, density=2000.0)  # kg/m^3
@@ -49,19 +49,19 @@ class Layer(Compact):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DrawnBlocks(Shown):
-    """Blocks of a drawing, called after their layers: "stone 1", "stone 2", ... from below.
+    """Blocks of a drawing, named after their layers: "stone 1", "stone 2", ... from below.
 
     Attributes:
         blocks: the body.
-        layers: as they were given.
-        layer: of each block, by name.
-        handles: of what was drawn of each block, by name.
-        path: of the file.
-        unit: of the drawing, which it said or the user.
-        snap: m: vertices nearer than this are one.
+        layers: the given layers.
+        layer: layer of each block, by name.
+        handles: handles of the drawn entities of each block, by name.
+        path: path of the file.
+        unit: unit of the drawing, from the file or the user.
+        snap: m: vertices closer than this are merged.
         moved: the farthest that a vertex was moved, m.
-        skipped: numbers of things in the layers that are no lines, by kind.
-        ignored: layers that nothing was taken of.
+        skipped: numbers of entities in the layers that are not lines, by kind.
+        ignored: other layers.
     """
 
     blocks: BlockAssembly
@@ -76,12 +76,18 @@ class DrawnBlocks(Shown):
     ignored: tuple[str, ...]
 
     def named(self, layer: str) -> tuple[str, ...]:
-        """Names of the blocks of a layer; raises `InputError` for one that was not read."""
+        """Return the names of the blocks of a layer.
+
+        Raises `InputError` for one that was not read.
+        """
         require_known("layer", layer, self.layers)
         return tuple(name for name, own in self.layer.items() if own == layer)
 
     def at(self, place: Sequence[float]) -> str:
-        """Name of the block at a place (x, y), m; raises `InputError` where there is none."""
+        """Return the name of the block at a place (x, y), m.
+
+        Raises `InputError` if there is none.
+        """
         if not is_plane_vector(place):
             raise InputError("place", place, "not a place", "give (x, y) in m")
         polygons = [shapely.Polygon(ring) for ring in self.blocks.polygons.values()]
@@ -92,14 +98,14 @@ class DrawnBlocks(Shown):
         return nearest
 
     def weight(self, body: str, direction: tuple[float, float] = (0.0, -1.0)) -> list[BodyForce]:
-        """Loads of density times standard gravity, a load a layer.
+        """Return loads of density times standard gravity, one per layer.
 
         Args:
             body: name of the blocks in the problem.
             direction: of unit length for weight; ``(1, 0)`` is an acceleration of 1 g against x.
 
         Raises:
-            InputError: a direction that is none, densities that are all 0.
+            InputError: an invalid direction, or densities that are all 0.
         """
         if not is_plane_vector(direction) or not np.any(direction):
             raise InputError("direction", direction, "not a direction", "give (x, y), not (0, 0)")
@@ -119,7 +125,7 @@ class DrawnBlocks(Shown):
         ]
 
     def facts(self) -> Facts:
-        """What was read, in which unit, and how far vertices were moved."""
+        """Return the blocks, the unit, and how far vertices were moved, for printing."""
         counts = [f"{len(self.named(name))} in {name!r}" for name in self.layers]
         left = f"; {listed(self.ignored)} ignored" if self.ignored else ""
         told = {

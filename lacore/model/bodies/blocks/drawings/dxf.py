@@ -11,27 +11,27 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError
 
 _UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
-"""Of $INSUNITS (DXF reference, HEADER section)."""
+"""Units of $INSUNITS (DXF reference, HEADER section)."""
 _CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 _LINES = ("LINE", "LWPOLYLINE", "POLYLINE")
-_FLAT = 1e-9  # of the size: heights of lines that lie in one plane
-_BEZIERS = 16  # of a circle: they are off it by less than 1e-6 of its radius
-_DEEPEST = 16  # symbols in symbols: deeper ones insert themselves
+_FLAT = 1e-9  # by the size: heights of lines in one plane
+_BEZIERS = 16  # per circle: their error is below 1e-6 of its radius
+_DEEPEST = 16  # depth of symbols in symbols; deeper ones insert themselves
 
 
 def read_dxf(path: str, layers: Set[str], unit: str | None, sagitta: float | None) -> Drawing:
-    """Lines of some layers in the model space of a DXF file.
+    """Return the lines of some layers in the model space of a DXF file.
 
-    Lines of an inserted symbol that lie in its layer "0" are of the layer that it is inserted in.
+    Lines in layer "0" of an inserted symbol belong to the layer of the insertion.
 
     Args:
-        path: of the file.
-        layers: to take lines of.
-        unit: of the drawing, whatever it says; None: what it says.
-        sagitta: m, by which chords may be off curves; None refuses curves.
+        path: path of the file.
+        layers: layers of the lines.
+        unit: unit of the drawing, instead of that of the file; None: that of the file.
+        sagitta: m, largest distance of chords from curves; None rejects curves.
 
     Raises:
-        InputError: a file that cannot be read, curves without `sagitta`, lines out of the plane.
+        InputError: a file that cannot be read, curves without `sagitta`, or lines out of the plane.
     """
     document = _load(path)
     said = _unit(document, path)
@@ -50,7 +50,7 @@ def read_dxf(path: str, layers: Set[str], unit: str | None, sagitta: float | Non
 
 
 def _unit(document: Any, path: str) -> str | None:
-    """What $INSUNITS says; None where it says "unitless"."""
+    """Return the unit in $INSUNITS; None if it is "unitless"."""
     number = document.header.get("$INSUNITS", 0)
     if number and number not in _UNITS:
         raise InputError(
@@ -60,8 +60,8 @@ def _unit(document: Any, path: str) -> str | None:
 
 
 def _load(path: str) -> Any:
-    """The document; where its structure is damaged, what can be recovered of it."""
-    from ezdxf import recover  # here: it takes a tenth of a second
+    """Return the document; if its structure is damaged, the part that can be recovered."""
+    from ezdxf import recover  # imported here because it takes a tenth of a second
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
 
@@ -72,7 +72,7 @@ def _load(path: str) -> Any:
             return recover.readfile(path)[0]
         except (DXFError, UnicodeError, OSError) as error:
             why = f"{type(error).__name__} {error}".strip()
-    except OSError as error:  # what is no DXF at all
+    except OSError as error:  # not a DXF file
         why = str(error)
     raise InputError("path", path, f"cannot be read as DXF ({why})", "save it as DXF 2000 or later")
 
@@ -80,7 +80,7 @@ def _load(path: str) -> Any:
 def _flat(
     entities: Any, inserted: tuple[str, str] | None, path: str, depth: int
 ) -> Iterator[tuple[Any, str, str]]:
-    """Entities, their layers and handles; those of symbols have the handle of the insertion."""
+    """Yield entities, their layers and handles; those of symbols have the insertion's handle."""
     for entity in entities:
         layer, handle = entity.dxf.layer, str(entity.dxf.handle)
         if inserted is not None:
@@ -96,7 +96,7 @@ def _flat(
 def _outlines(
     entity: Any, layer: str, handle: str, path: str, sagitta: float | None
 ) -> Iterator[Stroke]:
-    """Strokes of an entity: none of a text or a dimension."""
+    """Yield the strokes of an entity; none for a text or a dimension."""
     from ezdxf.path import from_hatch, make_path
 
     kind = entity.dxftype()

@@ -11,20 +11,20 @@ from shapely.errors import ShapelyError
 from lacore.model.bodies.blocks.drawings.strokes import Drawing, Stroke, refused
 from lacore.reporting.errors import InputError
 
-UNNAMED = "0"  # the layer of what has none, as in DXF
+UNNAMED = "0"  # layer of features without one, as in DXF
 _AREAS, _LINES = ("Polygon", "MultiPolygon"), ("LineString", "MultiLineString", "LinearRing")
 
 
 def read_geojson(path: str, content: dict[str, Any], layers: Set[str]) -> Drawing:
-    """Polygons and lines of some layers.
+    """Return the polygons and lines of some layers.
 
     Args:
-        path: of the file, for messages.
-        content: as `json` reads it: a collection of features, a feature, or a geometry.
-        layers: to take lines of; the layer of a feature is its property "layer", "0" without.
+        path: path of the file, for messages.
+        content: result of `json`: a collection of features, a feature, or a geometry.
+        layers: layers of the lines; the layer of a feature is its property "layer", else "0".
 
     Raises:
-        InputError: geometries that are none, polygons with holes.
+        InputError: invalid geometries, or polygons with holes.
     """
     strokes, there, skipped = [], set(), Counter[str]()
     for number, feature in enumerate(_features(path, content)):

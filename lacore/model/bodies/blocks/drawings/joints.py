@@ -1,4 +1,4 @@
-"""An assembly of the blocks of layers: the friction of joints between blocks of one and of two."""
+"""Assembly of the blocks of layers, with the friction of joints within and between layers."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -21,17 +21,17 @@ def assembled(
     layers: Mapping[str, Layer],
     between: LayerFriction,
 ) -> BlockAssembly:
-    """Blocks whose joints have the friction of their layers, or of the weaker of two.
+    """Return blocks whose joints have the friction of their layer, or the weaker one of two.
 
     Args:
-        polygons: by name.
-        layer: of each block.
-        layers: what they are made of.
+        polygons: polygons by name.
+        layer: layer of each block.
+        layers: materials of the layers.
         between: other laws, by pairs of layers in either order.
 
     Raises:
-        InputError: unknown layers in `between`, pairs given twice, layers that meet and have laws
-            of which neither is the weaker.
+        InputError: unknown layers in `between`, pairs given twice, or adjacent layers whose laws
+            cross.
     """
     given = _given(between, layers)
     first = friction_law(next(iter(layers.values())).friction, "Layer.friction")
@@ -72,7 +72,7 @@ def _given(between: LayerFriction, layers: Mapping[str, Layer]) -> dict[frozense
 
 
 def _weaker(pair: tuple[str, str], layers: Mapping[str, Layer]) -> Friction:
-    """The law that carries less at any pressure."""
+    """Return the law with the smaller strength at any pressure."""
     one, other = (friction_law(layers[name].friction, "Layer.friction") for name in pair)
     for law, against in ((one, other), (other, one)):
         if law.terms().within(against.terms()):

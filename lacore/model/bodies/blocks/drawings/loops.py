@@ -1,4 +1,4 @@
-"""Closed outlines: those that were drawn, and those that lines of a layer enclose."""
+"""Closed outlines: drawn ones, and those that lines of a layer enclose."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ from lacore.reporting.text import Quantity, text
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Chain(Compact):
-    """A stroke as numbers of merged vertices, of which no two in a row are one.
+    """Stroke as numbers of merged vertices, without repetitions in a row.
 
     Attributes:
-        layer, handle: of the stroke.
+        layer, handle: layer and handle of the stroke.
         vertices: (k,).
         closed: whether the last is joined to the first.
     """
@@ -44,7 +44,7 @@ class Chain(Compact):
 
 
 def chain(layer: str, handle: str, vertices: Ints, closed: bool) -> Chain:
-    """A stroke whose vertices were merged; one that ends where it starts is closed."""
+    """Return a stroke with merged vertices; one that ends where it starts is closed."""
     kept = vertices[np.append(True, vertices[1:] != vertices[:-1])]
     if kept.size > 1 and kept[0] == kept[-1]:
         kept, closed = kept[:-1], True
@@ -54,15 +54,15 @@ def chain(layer: str, handle: str, vertices: Ints, closed: bool) -> Chain:
 def enclosed(
     path: str, lines: Sequence[Chain], crossed: Ints, place: Floats, snap: float
 ) -> list[Chain]:
-    """Faces of the network of the open lines of one layer: blocks between joints drawn once.
+    """Return the faces of the open lines of one layer: blocks between joints drawn once.
 
     Lines are cut where vertices of others lie on them. Each must be part of the outline of a face.
 
     Args:
-        path: of the file, for messages.
-        lines: of one layer.
+        path: path of the file, for messages.
+        lines: lines of one layer.
         crossed: vertices where lines cross, (k,).
-        place: of all vertices, (2, m), m.
+        place: places of all vertices, (2, m), m.
         snap: m.
 
     Raises:
@@ -97,7 +97,7 @@ def enclosed(
 
 
 def _split(edges: Ints, vertex: Ints, edge: Ints, place: Floats) -> Ints:
-    """Edges (e, 2) cut at vertices that lie on them: pairs of vertices."""
+    """Return the edges (e, 2) cut at vertices that lie on them: pairs of vertices."""
     every = np.arange(len(edges))
     owner = np.concatenate([every, every, edge])
     stop = np.concatenate([edges[:, 0], edges[:, 1], vertex])
@@ -112,7 +112,7 @@ def _split(edges: Ints, vertex: Ints, edge: Ints, place: Floats) -> Ints:
 def _handles(
     lines: Sequence[Chain], edges: Ints, vertex: Ints, edge: Ints, place: Floats
 ) -> dict[tuple[int, int], set[str]]:
-    """Handles of the lines that each part of an edge belongs to."""
+    """Return the handles of the lines that each part of an edge belongs to."""
     drawn: dict[tuple[int, int], set[str]] = {}
     for line in lines:
         for pair in unique_edges(line.edges).tolist():
@@ -129,11 +129,11 @@ def _handles(
 def _open(
     path: str, lines: Sequence[Chain], place: Floats, parts: Ints, loose: int, snap: float
 ) -> InputError:
-    """The error of lines that are part of no outline; it names one."""
+    """Return the error for lines that are not part of an outline; it names one."""
     ends = np.flatnonzero(np.bincount(parts.ravel()) == 1)
     why = f"a line that closes no outline (such parts of lines: {loose})"
     fix = "close it, give a larger snap, or draw what is no outline in another layer"
-    if not ends.size:  # it leads from one outline to another
+    if not ends.size:  # It leads from one outline to another.
         return refused(path, lines[0].told, why, fix)
     end = ends[0]
     joined = parts[(parts == end).any(axis=1)]
@@ -152,7 +152,7 @@ def _open(
 
 
 def simplified(ring: Ints, place: Floats, snap: float) -> Ints:
-    """The corners of a ring: without vertices that are off the line of the others by the snap.
+    """Return the corners of a ring, without vertices within the snap of the line of the others.
 
     It starts at the vertex that is farthest off the line of its neighbours, which is a corner.
     """
@@ -168,12 +168,12 @@ def simplified(ring: Ints, place: Floats, snap: float) -> Ints:
     simple = shapely.simplify(outline, snap, preserve_topology=False)
     corners = shapely.get_coordinates(simple)[:-1].tolist()
     if len(corners) < 3:
-        return ring  # thinner than the snap: refused as such
+        return ring  # thinner than the snap, which is rejected later
     return np.array([number[tuple(corner)] for corner in corners])
 
 
 def crossings(segments: Floats) -> Floats:
-    """Places (k, 2) where segments, from and to places, (n, 2, 2), cross inside of both."""
+    """Return the places (k, 2) where segments (n, 2, 2) cross inside both."""
     lines = shapely.linestrings(segments)
     one, other = shapely.STRtree(lines).query(lines, predicate="crosses")
     pairs = one < other

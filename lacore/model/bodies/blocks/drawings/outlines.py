@@ -1,4 +1,4 @@
-"""From lines that a program drew to outlines that meet: merged, closed, straightened, in order."""
+"""Outlines that meet, from drawn lines: merged, closed, straightened, in order."""
 
 from collections.abc import Sequence, Set
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Quantity, text
 
-_WIDEST = 2.0  # snaps: vertices that are one lie no farther apart
+_WIDEST = 2.0  # in snaps: largest distance of merged vertices
 
-_REACH = 2.0  # snaps: what corners may be off an edge once vertices are merged
-_SAME_COURSE = 0.25  # of the mean height of blocks
+_REACH = 2.0  # in snaps: largest distance of corners from an edge after vertices are merged
+_SAME_COURSE = 0.25  # by the mean height of blocks
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Outlines:
     """Closed outlines, by courses from below, and from left to right.
 
     Attributes:
-        rings: as numbers of vertices.
-        place: of the vertices, (2, m), m.
+        rings: numbers of vertices.
+        place: places of the vertices, (2, m), m.
         moved: the farthest that a vertex of a block was moved, m.
     """
 
@@ -36,16 +36,16 @@ class Outlines:
 
 
 def outlines(path: str, strokes: Sequence[Stroke], openings: Set[str], snap: float) -> Outlines:
-    """Outlines of blocks from strokes in m.
+    """Return the outlines of blocks from strokes in m.
 
     Args:
-        path: of the file, for messages.
-        strokes: of the layers of blocks and of openings.
-        openings: layers of those.
-        snap: m: vertices nearer than this are one.
+        path: path of the file, for messages.
+        strokes: strokes of the layers of blocks and of openings.
+        openings: layers of openings.
+        snap: m: vertices closer than this are merged.
 
     Raises:
-        InputError: lines that stay open, slivers, overlaps.
+        InputError: lines that stay open, slivers, or overlaps.
     """
     points = np.concatenate([own.points for own in strokes])
     crossed = _crossings(strokes)
@@ -67,7 +67,7 @@ def outlines(path: str, strokes: Sequence[Stroke], openings: Set[str], snap: flo
 
 
 def _crossings(strokes: Sequence[Stroke]) -> dict[str, Floats]:
-    """Places (k, 2) where open lines of each layer cross."""
+    """Return the places (k, 2) where open lines of each layer cross."""
     found = {}
     for layer in sorted({own.layer for own in strokes if not own.closed}):
         parts = [
@@ -87,9 +87,9 @@ def _closed(
     snap: float,
     openings: Set[str],
 ) -> list[Chain]:
-    """Outlines of blocks: closed chains, and what open ones enclose but openings."""
+    """Return the outlines of blocks: closed chains, and faces of open ones, without openings."""
     rings, holes = [], []
-    # Openings first: faces of all other layers may lie in them.
+    # Openings come first, since faces of all other layers may lie in them.
     for layer in sorted({own.layer for own in chains}, key=lambda own: (own not in openings, own)):
         lines = [own for own in chains if own.layer == layer]
         closed = _corners([own for own in lines if own.closed], place, snap)
@@ -108,7 +108,7 @@ def _closed(
 
 
 def _corners(rings: Sequence[Chain], place: Floats, snap: float) -> list[Chain]:
-    """Rings without vertices that are no corners; what was drawn twice in a layer is one."""
+    """Return the rings without collinear vertices, and without duplicates in a layer."""
     once: dict[frozenset[int], Chain] = {}
     for own in rings:
         corners = simplified(own.vertices, place, snap)
@@ -121,7 +121,10 @@ def _corners(rings: Sequence[Chain], place: Floats, snap: float) -> list[Chain]:
 
 
 def _others(path: str, faces: Sequence[Chain], closed: Sequence[Chain]) -> list[Chain]:
-    """Faces of a layer that were not drawn as closed outlines; those must be faces, too."""
+    """Return the faces of a layer that were not drawn as closed outlines.
+
+    Closed outlines must be faces, too.
+    """
     drawn = {frozenset(own.vertices.tolist()): own for own in closed}
     found = {frozenset(own.vertices.tolist()): own for own in faces}
     for corners, own in drawn.items():
@@ -138,14 +141,17 @@ def _in_opening(face: Chain, holes: Sequence[Chain], place: Floats) -> bool:
 
 
 def _farthest(points: Floats, vertices: Merged, edges: Ints, moved: Floats) -> float:
-    """The farthest that a vertex of a block was moved, m."""
+    """Return the farthest that a vertex of a block was moved, m."""
     own = np.isin(vertices.number, edges)
     away = moved[:, vertices.number[: len(points)]] - points.T
     return float(np.linalg.norm(away, axis=0)[own[: len(points)]].max(initial=0.0))
 
 
 def _ordered(rings: Sequence[Chain], place: Floats) -> list[Chain]:
-    """By courses from below, and from left to right: a course starts where none reaches into it."""
+    """Order rings by courses from below, and from left to right.
+
+    A course starts where no ring reaches into it.
+    """
     polygons = [shapely.Polygon(place[:, own.vertices].T) for own in rings]
     x, y = shapely.get_coordinates(shapely.centroid(polygons)).T
     bounds = shapely.bounds(polygons)

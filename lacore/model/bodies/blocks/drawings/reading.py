@@ -20,10 +20,10 @@ from lacore.model.bodies.blocks.drawings.strokes import Drawing, Stroke, metres
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, require_known, require_positive, suggest_all, typed
 
-SNAP = 1e-5  # of the size of the drawing: a tenth of a millimetre on ten metres
+SNAP = 1e-5  # by the size of the drawing: a tenth of a millimetre on ten metres
 _RESERVED = str.maketrans(
     "|#", "//"
-)  # joints are called "a|b#2", layers of references "plan|stone"
+)  # Joints are named "a|b#2", and layers of references "plan|stone".
 
 
 @typed(layers="give {'stone': la.masonry.Layer(friction=0.6, density=2400)}")
@@ -36,28 +36,28 @@ def read(
     joint_friction: LayerFriction | None = None,
     sagitta: float | None = None,
 ) -> DrawnBlocks:
-    """Blocks from a drawing: DXF, GeoJSON, or an assembly of compas (JSON).
+    """Read blocks from a drawing: DXF, GeoJSON, or an assembly of compas (JSON).
 
-    Closed outlines are blocks, and so are the faces of the network that open lines of one layer
-    make: stones between joints that are drawn once. Vertices nearer than `snap` become one, and
-    corners that near an edge are put onto it. Draw stones up to the middle of mortar joints.
+    Closed outlines are blocks, and so are the faces of the network of open lines of one layer:
+    stones between joints that are drawn once. Vertices closer than `snap` are merged, and corners
+    close to an edge are moved onto it. Draw stones up to the middle of mortar joints.
 
     Args:
-        path: of the file: .dxf, .geojson or .json.
-        layers: what blocks are made of, by layer; other layers are ignored. The layer of a feature
-            of GeoJSON is its property "layer" ("0" without), that of a block of compas its
-            attribute "layer", else "support" or "block".
+        path: path of the file: .dxf, .geojson or .json.
+        layers: materials of blocks by layer; other layers are ignored. The layer of a feature of
+            GeoJSON is its property "layer" (else "0"), that of a block of compas its attribute
+            "layer", else "support" or "block".
         snap: m; 1e-5 of the size of the drawing if None.
-        unit: of the drawing: "m", "dm", "cm", "mm", "km", "in", "ft", "yd", whatever the file says;
-            if None what $INSUNITS of a DXF says.
-        openings: layers of outlines of windows and doors: faces between lines that lie in one are
-            no blocks.
-        joint_friction: law of joints between two layers, by pair; without, the weaker one of both.
-        sagitta: m: curves become chords that are off them by this much; None: they are refused.
+        unit: unit of the drawing, instead of that of the file: "m", "dm", "cm", "mm", "km", "in",
+            "ft", "yd"; None: $INSUNITS of a DXF.
+        openings: layers of outlines of windows and doors: faces within one are not blocks.
+        joint_friction: law of joints between two layers, by pair; by default the weaker one of
+            both.
+        sagitta: m: largest distance of chords from curves; None: curves are rejected.
 
     Raises:
-        InputError: a file that cannot be read, no unit, a layer that is not there; open lines,
-            slivers, blocks that overlap, by layer, handle and place; what `BlockAssembly` refuses.
+        InputError: a file that cannot be read, no unit, a missing layer; open lines, slivers, or
+            overlapping blocks, with layer, handle and place; anything that `BlockAssembly` rejects.
 
     Example:
         >>> import ezdxf
@@ -103,7 +103,7 @@ def read(
 def read_outline(
     path: str | PathLike[str], layer: str | None, unit: str | None, sagitta: float | None
 ) -> Floats:
-    """Corners of the one closed outline in a layer of a drawing, m, shape (k, 2), see `read`.
+    """Return the corners of the only closed outline in a layer, m, shape (k, 2), see `read`.
 
     Args:
         path, unit, sagitta: see `read`.
@@ -133,7 +133,7 @@ def read_outline(
 def _strokes(
     path: str, drawing: Drawing, layers: Sequence[str], unit: str | None
 ) -> tuple[list[Stroke], str]:
-    """Lines in m of layers that have some, and the unit of the drawing."""
+    """Return the lines in m by layer, and the unit of the drawing."""
     for layer in layers:
         if layer not in drawing.layers:
             fix = suggest_all(layer, sorted(drawing.layers))
@@ -187,7 +187,7 @@ def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | Non
 
 
 def json_of(path: str) -> Any:
-    """What a file of JSON holds."""
+    """Return the content of a JSON file."""
     try:
         return json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
@@ -198,12 +198,12 @@ def json_of(path: str) -> Any:
 
 
 def _size(strokes: Sequence[Stroke]) -> float:
-    """Diagonal of the box around all, m."""
+    """Return the diagonal of the bounding box, m."""
     return float(np.linalg.norm(np.ptp(np.concatenate([own.points for own in strokes]), axis=0)))
 
 
 def _names(layers: Sequence[str]) -> list[str]:
-    """``stone 1``, ``stone 2``, ``brick 1``, ... of layers in order."""
+    """Return names ``stone 1``, ``stone 2``, ``brick 1``, ... for layers in order."""
     met: dict[str, int] = {}
     names = []
     for layer in layers:

@@ -1,8 +1,8 @@
-"""Vertices that nearly meet made one, and corners that nearly lie on edges put there.
+"""Merging of vertices that nearly meet, and of corners with edges that they nearly touch.
 
-What comes out depends neither on the order of lines nor on the direction in which they were drawn,
-up to round-off: vertices are sorted before anything is added up, and of all ways to put corners on
-edges the one that moves vertices least, in the sum of squares, is taken.
+The result depends neither on the order of lines nor on their direction, up to round-off: vertices
+are sorted before sums are formed, and corners are put on edges such that vertices move least in the
+sum of squares.
 """
 
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ from scipy.spatial import cKDTree
 
 from lacore.numerics.arrays import Floats, Ints
 
-ROUNDS = 4  # normals turn with the edges: what is left over is squared each time
-_EXACT = 1e-15  # relative, of the least squares
+ROUNDS = 4  # Normals turn with the edges: each iteration squares the residual.
+_EXACT = 1e-15  # relative tolerance of the least squares
 
 
 @dataclass(frozen=True)
 class Merged:
-    """Vertices of a drawing, those within the snap of each other as one.
+    """Vertices of a drawing, merged within the snap.
 
     Attributes:
         place: their mean, (2, m), m; sorted.
-        number: which of them each given vertex is, (n,).
-        width: of the box around the given vertices of each, (m,), m.
+        number: merged vertex of each given vertex, (n,).
+        width: width of the box around the given vertices of each, (m,), m.
     """
 
     place: Floats
@@ -36,7 +36,7 @@ class Merged:
 
 
 def merged(points: Floats, snap: float) -> Merged:
-    """Vertices (n, 2) in m, and those that are one."""
+    """Return the merged vertices of given ones (n, 2), m."""
     order = np.lexsort(points.T[::-1])
     sorted_points = points[order]
     pairs = cKDTree(sorted_points).query_pairs(snap, output_type="ndarray")
@@ -44,7 +44,7 @@ def merged(points: Floats, snap: float) -> Merged:
     count, cluster = connected_components(links, directed=False)
     size = np.bincount(cluster, minlength=count)
     first = sorted_points[np.unique(cluster, return_index=True)[1]]
-    # Of differences, so that what is drawn in one place stays there to the last digit.
+    # Differences are averaged, so that vertices drawn in one place stay there to the last digit.
     off = sorted_points - first[cluster]
     mean = first.T + np.stack([np.bincount(cluster, own, count) for own in off.T]) / size
     low, high = np.full((2, count), np.inf), np.full((2, count), -np.inf)
@@ -60,17 +60,17 @@ def merged(points: Floats, snap: float) -> Merged:
 
 
 def unique_edges(edges: Ints) -> Ints:
-    """Edges (e, 2) as pairs of vertices, each once, whatever its direction, sorted."""
+    """Return the edges (e, 2) as pairs of vertices, each once, whatever its direction, sorted."""
     ordered = np.sort(edges.reshape(-1, 2), axis=1)
     return np.asarray(np.unique(ordered[ordered[:, 0] != ordered[:, 1]], axis=0))
 
 
 def on_edges(place: Floats, vertices: Ints, edges: Ints, reach: float) -> tuple[Ints, Ints]:
-    """Which vertices lie inside which edges, within a reach of them.
+    """Return which vertices lie inside which edges, within a reach of them.
 
     Args:
-        place: of all vertices, (2, m), m.
-        vertices: to look at, sorted.
+        place: places of all vertices, (2, m), m.
+        vertices: vertices to check, sorted.
         edges: pairs of vertices, (e, 2).
         reach: m.
 
@@ -91,10 +91,11 @@ def on_edges(place: Floats, vertices: Ints, edges: Ints, reach: float) -> tuple[
 
 
 def straightened(place: Floats, vertices: Ints, edges: Ints, reach: float) -> Floats:
-    """Vertices moved so that those within a reach of edges lie on them, (2, m), m.
+    """Return the vertices moved so that those within a reach of edges lie on them, (2, m), m.
 
-    Each of them asks ``n.(v - (1 - s) a - s b) = 0``, n the normal of its edge a-b. In running bond
-    vertices hold edges that hold vertices, along a whole course: so all are asked at once.
+    The conditions are ``n.(v - (1 - s) a - s b) = 0``, with n the normal of the edge a-b. In
+    running bond, vertices determine edges that determine vertices along a whole course, so all
+    conditions are solved together.
     """
     vertex, edge = on_edges(place, vertices, edges, reach)
     if not vertex.size:

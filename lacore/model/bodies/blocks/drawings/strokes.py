@@ -1,4 +1,4 @@
-"""What a drawing consists of, whatever file it came from, and how messages name its parts."""
+"""Contents of a drawing from any file, and names of its parts in messages."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ class Stroke(Compact):
     """A line of a drawing, straight from vertex to vertex.
 
     Attributes:
-        layer: that it lies in.
-        handle: by which the program that drew it finds it.
-        points: vertices, (k, 2); of a closed one the first is not repeated.
+        layer: its layer.
+        handle: its handle in the drawing program.
+        points: vertices, (k, 2); the first is not repeated if closed.
         closed: whether the last vertex is joined to the first.
     """
 
@@ -39,13 +39,13 @@ class Stroke(Compact):
 
 @dataclass(frozen=True)
 class Drawing:
-    """A file's lines.
+    """Lines of a file.
 
     Attributes:
-        strokes: of the layers that were asked for, in the units of the drawing.
-        layers: all that hold something, in any order.
-        unit: that the file says, one of `METRES`; None where it says none.
-        skipped: numbers of things in those layers that are no lines (texts, dimensions), by kind.
+        strokes: strokes of the requested layers, in the units of the drawing.
+        layers: all layers with contents, in any order.
+        unit: unit of the file, one of `METRES`; None without one.
+        skipped: numbers of other entities in those layers (texts, dimensions), by kind.
     """
 
     strokes: tuple[Stroke, ...]
@@ -55,22 +55,22 @@ class Drawing:
 
 
 def refused(path: str, what: str, why: str, fix: str) -> InputError:
-    """An error about a part of a drawing."""
+    """Return an error about a part of a drawing."""
     return InputError("path", path, f"{what}: {why}", fix)
 
 
 def place_told(place: Floats | Sequence[float]) -> Quantity:
-    """``(1.25, 0.4) m``."""
+    """Return a place for messages, such as ``(1.25, 0.4) m``."""
     return Quantity(tuple(place), "m", ".6g")
 
 
 def metres(path: str, said: str | None, unit: str | None) -> tuple[str, float]:
-    """The unit of a drawing, and its length in m.
+    """Return the unit of a drawing, and its length in m.
 
     Args:
-        path: of the file, for messages.
-        said: by the file.
-        unit: the user's, which is taken whatever the file says.
+        path: path of the file, for messages.
+        said: unit of the file.
+        unit: unit of the user, which takes precedence.
 
     Raises:
         InputError: an unknown unit, or none at all.

@@ -1,1 +1,1 @@
-"""Builders of blocks in space."""
+"""Builders of three-dimensional blocks."""

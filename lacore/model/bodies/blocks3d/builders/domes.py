@@ -1,4 +1,4 @@
-"""Domes of revolution, cut into blocks by meridians and by cones about their centre."""
+"""Axisymmetric domes, cut into blocks by meridians and by cones about their centre."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ def dome(
     base: bool = True,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """A spherical dome about the z axis, its centre at the origin.
+    """Return a spherical dome about the z axis, with its centre at the origin.
 
-    Blocks are called ``r1m1`` (ring from the springing up, place around). Beds go through the
+    Blocks are named ``r1m1`` (ring from the springing up, place around). Beds go through the
     centre; between two meridians all faces are plane: chords in place of circles. In bond, a block
-    goes over two such sectors, shifted by one from ring to ring: its beds and its inner and outer
-    faces have two facets (T70).
+    extends over two such sectors, shifted by one from ring to ring: its beds and its inner and
+    outer faces have two facets (T70).
 
     Args:
-        meridians: blocks of a ring, at least 3.
-        rings: how many.
-        radius: of the sphere halfway between the inner and the outer corners, m.
+        meridians: number of blocks of a ring, at least 3.
+        rings: number of rings.
+        radius: radius of the sphere halfway between the inner and the outer corners, m.
         thickness: m, below twice the radius.
         oculus: angle at the centre from the axis to the topmost bed, rad.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
         springing: angle from the axis to the lowest bed, rad; pi/2 is a hemisphere.
         bond: whether head joints of neighbouring rings are shifted by half a block.
-        base: whether blocks ``base1``, ``base2``, ... lie below the lowest ring, one a block of it
-            and as large, for supports.
+        base: whether blocks ``base1``, ``base2``, ... lie below the lowest ring, one per block and
+            of the same size, for supports.
 
     Raises:
-        InputError: numbers that make no dome; what `BlockAssembly3D` refuses.
+        InputError: numbers that do not form a dome; anything that `BlockAssembly3D` rejects.
 
     Example:
         >>> dome = la.masonry3d.dome(6, 2, radius=1.0, thickness=0.2, oculus=0.3, friction=0.6)
@@ -93,7 +93,7 @@ def _require_dome(
 
 
 def _bed(shells: Floats, polar: float, around: Floats) -> Floats:
-    """Corners of a bed, inside and outside, (2, stations, 3), m."""
+    """Return the corners of a bed, inside and outside, (2, stations, 3), m."""
     flat = np.stack(
         [
             np.sin(polar) * np.cos(around),
@@ -106,7 +106,7 @@ def _bed(shells: Floats, polar: float, around: Floats) -> Floats:
 
 
 def _block(low: Floats, high: Floats, stations: list[int]) -> Polyhedron:
-    """Between two beds, over the sectors between stations around."""
+    """Return the block between two beds, over the sectors between stations around."""
     k = len(stations)
     points = np.concatenate([bed[side, stations] for bed in (low, high) for side in (0, 1)])
     inner, outer, above, beyond = (np.arange(k) + n * k for n in range(4))

@@ -1,4 +1,4 @@
-"""Prisms across the plane of x and z, and what is drawn in that plane made as deep as wanted."""
+"""Prisms across the plane of x and z, and plane assemblies extruded to a depth."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lacore.reporting.errors import require_count, require_positive
 
 
 def prism(outline: npt.ArrayLike, low: float, high: float) -> Polyhedron:
-    """The prism over a polygon of (x, z), m, between two planes of y, m."""
+    """Return the prism over a polygon of (x, z), m, between two planes of y, m."""
     flat = np.asarray(outline, dtype=np.float64)
     count = len(flat)
     near, far = (np.insert(flat, 1, y, axis=1) for y in (low, high))
@@ -27,16 +27,17 @@ def prism(outline: npt.ArrayLike, low: float, high: float) -> Polyhedron:
 def extruded(
     plane: BlockAssembly, depth: float, slices: int = 1, crushing: float | Crushing | None = None
 ) -> BlockAssembly3D:
-    """A plane assembly made deep: its x and y become x and z, y runs from 0 to the depth (T78).
+    """Return a plane assembly extruded along y (T78).
 
-    Blocks keep their names; of several slices they are ``NAME/1``, ``NAME/2``, ..., and a law of
-    `joint_friction` holds in all of them. So does the tolerance of the assembly.
+    Its x and y become x and z, and y runs from 0 to the depth. Blocks keep their names; with
+    several slices they are ``NAME/1``, ``NAME/2``, ..., and a law of `joint_friction` applies to
+    all of them, as does the tolerance of the assembly.
 
     Args:
-        plane: as `lacore.masonry` makes it, say.
-        depth: along y, m.
-        crushing: strength of joints in compression, Pa, if it is finite.
-        slices: equal ones, one behind the other.
+        plane: plane assembly, such as one of `lacore.masonry`.
+        depth: depth along y, m.
+        crushing: strength of joints in compression, Pa, if finite.
+        slices: number of equal slices, one behind the other.
 
     Example:
         >>> plane = la.masonry.stack([(1.0, 0.5), (0.8, 0.5)], friction=0.5)

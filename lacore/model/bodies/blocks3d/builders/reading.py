@@ -1,4 +1,4 @@
-"""Blocks in space from files: assemblies of compas, surfaces of OBJ, PLY and STL."""
+"""Three-dimensional blocks from files: assemblies of compas, surfaces of OBJ, PLY and STL."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, require_known, require_positive, typed
 
 Mesh = tuple[Floats, list[list[int]]]
-_SNAP = 1e-5  # of the size of the file: a tenth of a millimetre on ten metres
+_SNAP = 1e-5  # by the size of the file: a tenth of a millimetre on ten metres
 _SURFACES = (".obj", ".ply", ".stl")
 
 
@@ -38,22 +38,23 @@ def read(
     unit: str = "m",
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """Blocks from a file: an assembly of compas (JSON), or closed surfaces of OBJ, PLY or STL.
+    """Read blocks from an assembly of compas (JSON), or closed surfaces of OBJ, PLY or STL.
 
-    Blocks of compas are called as the nodes of their graph, supports ``support KEY``. A file of
-    surfaces is taken apart into closed ones, "1", "2", ... in the order of the file, each written
-    in one go; polygons in one plane make one face, and those that collapse to a line are dropped.
+    Blocks of compas are named after the nodes of their graph, supports ``support KEY``. A file of
+    surfaces is divided into closed ones, "1", "2", ... in the order of the file, each contiguous in
+    it; polygons in one plane make one face, and those that collapse to a line are dropped.
 
     Args:
-        path: of the file: .json, .obj, .ply or .stl.
+        path: path of the file: .json, .obj, .ply or .stl.
         friction: law of all joints; `joint_friction` for single pairs.
-        crushing: their strength in compression, Pa, if it is finite.
-        tolerance: m; 1e-5 of the size of all if None. Vertices of surfaces that are nearer become
-            one, faces may be warped, and blocks apart or in each other, by as much.
-        unit: of the file: "m", "dm", "cm", "mm", "km", "in", "ft", "yd".
+        crushing: their strength in compression, Pa, if finite.
+        tolerance: m; 1e-5 of the overall size if None. Closer vertices of surfaces are merged;
+            faces may be warped, and blocks have gaps or overlaps, by as much.
+        unit: unit of the file: "m", "dm", "cm", "mm", "km", "in", "ft", "yd".
 
     Raises:
-        InputError: a file that cannot be read; what `Polyhedron` and `BlockAssembly3D` refuse, with
+        InputError: a file that cannot be read; anything that `Polyhedron` and `BlockAssembly3D`
+            reject, with
             the name of the block.
 
     Example:
@@ -84,7 +85,7 @@ def read(
             [points for points, _ in meshes.values()]
         )
     else:
-        with np.errstate(over="ignore"):  # meshio takes text of STL for a number, at first
+        with np.errstate(over="ignore"):  # meshio first interprets text of STL as a number.
             points, faces = _polygons(shown, loaded(Path(shown)))
         allowed = tolerance or _SNAP * METRES[unit] * _size([points])
         found = _apart(*_merged(points, faces, allowed / METRES[unit]))
@@ -111,7 +112,7 @@ def _size(points: Sequence[Floats]) -> float:
 
 
 def _polygons(path: str, file: Any) -> Mesh:
-    """Vertices and polygons of a surface as meshio reads it."""
+    """Return the vertices and polygons of a surface from meshio."""
     cells = [block for block in file.cells if block.dim == 2]
     points = np.asarray(file.points, dtype=np.float64)
     faces = [[int(n) for n in polygon] for block in cells for polygon in block.data]
@@ -124,7 +125,7 @@ def _polygons(path: str, file: Any) -> Mesh:
 
 
 def _merged(points: Floats, faces: list[list[int]], tolerance: float) -> Mesh:
-    """Vertices that are nearer than the tolerance are one; what collapses is dropped."""
+    """Return the mesh with close vertices merged and collapsed polygons dropped."""
     near = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
     number = len(points)
     graph = coo_matrix((np.ones(len(near)), tuple(near.T)), shape=(number, number))
@@ -140,10 +141,10 @@ def _merged(points: Floats, faces: list[list[int]], tolerance: float) -> Mesh:
 
 
 def _apart(points: Floats, faces: list[list[int]]) -> list[Mesh]:
-    """The closed surfaces of a file.
+    """Return the closed surfaces of a file.
 
-    Where blocks touch along an edge more than two polygons meet there: those that follow each other
-    in the file belong together.
+    Where blocks touch along an edge, more than two polygons meet: those that follow each other in
+    the file belong together.
     """
     start = np.concatenate(faces) if faces else np.zeros(0, dtype=np.int64)
     counts = np.array([len(polygon) for polygon in faces], dtype=np.int64)
@@ -167,7 +168,7 @@ def _apart(points: Floats, faces: list[list[int]]) -> list[Mesh]:
 
 
 def _place_in_run(ascending: Ints) -> Ints:
-    """0, 1, 2, ... in each run of equal values."""
+    """Return 0, 1, 2, ... in each run of equal values."""
     begin = np.flatnonzero(np.diff(ascending, prepend=-1))
     run = np.cumsum(np.diff(ascending, prepend=-1) != 0) - 1
     return np.asarray(np.arange(ascending.size) - begin[run])

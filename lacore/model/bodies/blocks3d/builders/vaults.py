@@ -1,4 +1,4 @@
-"""Arches and vaults of circular section: along y, or two of them that cross."""
+"""Arches and vaults of circular section: along y, or two crossing ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, require_count, require_positive
 
 _QUARTERS = ("+x", "+y", "-x", "-y")
-_ROUND_OFF = 1e-12  # of the radius: sines and cosines of right angles
+_ROUND_OFF = 1e-12  # by the radius: sines and cosines of right angles
 
 
 def arch(
@@ -29,16 +29,16 @@ def arch(
     slices: int = 1,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """The arch of `lacore.masonry.arch`, in the plane of x and z, `depth` deep along y.
+    """Return the arch of `lacore.masonry.arch` in the plane of x and z, with a depth along y.
 
-    Blocks are "1", "2", ..., "left", "right", and of several slices "1/1", "1/2", ...
+    Blocks are named "1", "2", ..., "left", "right", with several slices "1/1", "1/2", ...
 
     Args:
-        voussoirs: how many, from left to right.
-        inner_radius: of the circle through the inner corners, m.
+        voussoirs: number of voussoirs, from left to right.
+        inner_radius: radius of the circle through the inner corners, m.
         thickness: length of a joint, m.
-        depth: along y, m; `slices`: equal ones, one behind the other.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
+        depth: depth along y, m. `slices`: number of equal slices along y.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
         embrace: angle of the arch at the centre, rad; pi is a semicircle.
 
     Example:
@@ -61,17 +61,17 @@ def barrel_vault(
     bond: bool = True,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """A barrel vault along y, whose beds are radial and whose head joints are planes of y.
+    """Return a barrel vault along y, with radial beds and head joints in planes of y.
 
-    Blocks are called ``v1c1`` (voussoir from left to right, place along y); "left" and "right" are
+    Blocks are named ``v1c1`` (voussoir from left to right, place along y); "left" and "right" are
     the springings, as long as the vault.
 
     Args:
-        voussoirs: of its section.
+        voussoirs: number of voussoirs of its section.
         courses: blocks along y; in bond every second voussoir begins and ends with half of one.
-        inner_radius: of the circle through the inner corners, m.
-        thickness: m. `length`: along y, m.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
+        inner_radius: radius of the circle through the inner corners, m.
+        thickness: m. `length`: length along y, m.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
         embrace: angle of the section at the centre, rad.
         bond: whether head joints of neighbouring voussoirs are shifted by half a block.
 
@@ -107,19 +107,19 @@ def cross_vault(
     base: bool = True,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """Two equal barrel vaults that cross: four webs, each cut off along x = y and x = -y.
+    """Return two equal crossing barrel vaults: four webs, cut along x = y and x = -y.
 
-    The sections are semicircles, which spring at z = 0. Blocks are called ``+x1``, ``+x2``, ...:
-    web on that side of the z axis, voussoir around its axis. Webs meet in the groins, which are
+    The sections are semicircles, which spring at z = 0. Blocks are named ``+x1``, ``+x2``, ...: web
+    on that side of the z axis, voussoir around its axis. Webs meet in the groins, which are
     vertical planes.
 
     Args:
-        voussoirs: of a web.
-        inner_radius: of the circle through the inner corners of a section, m.
+        voussoirs: number of voussoirs of a web.
+        inner_radius: radius of the circle through the inner corners of a section, m.
         thickness: m.
         half_side: distance of the free ends of the webs from the z axis, m, more than the outer
             radius.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
         base: whether blocks ``base+x1``, ... lie below the lowest voussoirs, one each, for
             supports.
 
@@ -163,9 +163,9 @@ def cross_vault(
 
 
 def _web(section: Floats, half_side: float) -> tuple[Floats, list[tuple[int, ...]]]:
-    """A prism along x over a section of (y, z), from the planes x = abs(y) to x = half_side.
+    """Return a prism along x over a section of (y, z), from the planes x = abs(y) to x = half_side.
 
-    A section that reaches over y = 0 is cut there, where the planes meet.
+    A section across y = 0 is cut there, where the planes meet.
     """
     y, z = _split(section)
     count = y.size
@@ -178,7 +178,7 @@ def _web(section: Floats, half_side: float) -> tuple[Floats, list[tuple[int, ...
 
 
 def _split(section: Floats) -> tuple[Floats, Floats]:
-    """A convex section of (y, z), with corners where its outline crosses y = 0."""
+    """Return a convex section of (y, z), with corners where its outline crosses y = 0."""
     found = []
     for (y, z), (next_y, next_z) in zip(section, np.roll(section, -1, axis=0), strict=True):
         found.append((y, z))
@@ -190,7 +190,7 @@ def _split(section: Floats) -> tuple[Floats, Floats]:
 
 
 def _turned(web: tuple[Floats, list[tuple[int, ...]]], quarters: int) -> Polyhedron:
-    """A block turned about z by right angles, without a round-off."""
+    """Return a block turned about z by right angles, without round-off."""
     points, faces = web
     for _ in range(quarters):
         points = points[:, [1, 0, 2]] * [-1.0, 1.0, 1.0]

@@ -27,17 +27,17 @@ def wall(
     slices: int = 1,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """The wall of `lacore.masonry.running_bond`, along x, its lower left corner at the origin.
+    """Return the wall of `lacore.masonry.running_bond` along x, from the origin.
 
-    Blocks are called ``c1b1`` (course from the bottom, place from the left).
+    Blocks are named ``c1b1`` (course from the bottom, place from the left).
 
     Args:
-        rows: courses, bottom first: widths in blocks, an opening as minus its width;
-            `lacore.masonry.regular_bond` and `lacore.masonry.random_bond` make some.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
+        rows: courses, bottom first: widths in blocks, negative for openings; see
+            `lacore.masonry.regular_bond` and `lacore.masonry.random_bond`.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
         block: length (x), depth (y) and height (z) of a block, m.
         base: whether a block ``base`` lies below.
-        slices: leaves of the wall, one behind the other, of the depth altogether.
+        slices: number of leaves of the wall, one behind the other, within the depth.
 
     Example:
         >>> wall = la.masonry3d.wall([[1, 1], [0.5, 1, 0.5]], friction=0.6)
@@ -57,18 +57,18 @@ def corner(
     base: bool = True,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """Two walls at a right angle, along x and along y, in bond at the corner, the origin.
+    """Return two walls at a right angle, along x and y, in bond at the corner, the origin.
 
-    In every other course the first block of the wall along x takes the corner, in those between
-    that of the wall along y; the other wall begins behind it, so that head joints are shifted by
-    the depth of a block. Blocks are called ``c1x1``, ``c1y1`` (course, wall, place).
+    In every other course the first block of the wall along x is at the corner, in the others that
+    of the wall along y; the other wall begins behind it, so that head joints are shifted by the
+    depth of a block. Blocks are named ``c1x1``, ``c1y1`` (course, wall, place).
 
     Args:
         blocks: lengths of the two walls from the corner on, in blocks.
-        courses: how many.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
+        courses: number of courses.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
         block: length, depth and height of a block, m; the depth is below the length.
-        base: whether a block ``base`` of the shape of an L lies below.
+        base: whether an L-shaped block ``base`` lies below.
 
     Example:
         >>> corner = la.masonry3d.corner(blocks=(2, 2), courses=2, friction=0.6)
@@ -119,22 +119,22 @@ def stairs(
     bearing: float = 0.0,
     crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
-    """A straight flight of steps that climbs along x, each laid on the back of the one below.
+    """Return a straight flight of steps along x, each on the back of the one below.
 
-    Steps are called ``step1``, ``step2``, ...; the first lies on ``base``, the last leans on
+    Steps are named ``step1``, ``step2``, ...; the first lies on ``base``, the last leans on
     ``landing``, a block behind it. Built into a wall, the side y < 0 of each step lies between two
     blocks of it, ``below2`` (the first one has the base there) and ``above2``.
 
     Args:
-        steps: how many.
+        steps: number of steps.
         going: horizontal distance of steps, m. `rise`: their height, m.
-        width: of the flight along y, m.
-        overlap: of a step with the next one, along x, m.
-        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
-        bearing: how deep steps go into the wall, m; 0 is a free flight.
+        width: width of the flight along y, m.
+        overlap: overlap of a step with the next one, along x, m.
+        friction: law of all joints. `crushing`: their strength in compression, Pa, if finite.
+        bearing: depth of steps in the wall, m; 0 for a free flight.
 
     Raises:
-        InputError: numbers that make no stairs; what `BlockAssembly3D` refuses.
+        InputError: numbers that do not form stairs; anything that `BlockAssembly3D` rejects.
 
     Example:
         >>> stairs = la.masonry3d.stairs(
@@ -181,6 +181,6 @@ def _box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float])
 
 
 def _upright(outline: Sequence[tuple[float, float]], low: float, high: float) -> Polyhedron:
-    """The prism over a polygon of (x, y), m, between two levels of z, m."""
+    """Return the prism over a polygon of (x, y), m, between two levels of z, m."""
     lying = prism(outline, low, high)
     return Polyhedron(lying.vertices[:, [0, 2, 1]], lying.faces)

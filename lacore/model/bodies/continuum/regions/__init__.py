@@ -1,1 +1,1 @@
-"""Regions of a body: parts of its mesh with a criterion each, and what varies within them."""
+"""Regions of a body: parts of its mesh with one criterion each, and their varying fields."""

@@ -1,8 +1,8 @@
-"""Friction angles that vary, as those of elements: cones within, and around, all of an element.
+"""Varying friction angles, as cones within and around all of an element.
 
 Where the angle varies in an element, and cohesion too, a cone is within all of those there if its
-angle and its apex are no more than the least, around all if they are no less than the greatest:
-the apex is where tension ends, and least cohesion with least angle may be beyond it (T87).
+angle and its apex are at most the smallest, and around all if they are at least the largest. The
+apex limits tension, and that of the smallest cohesion and angle may be beyond it (T87).
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from lacore.model.meshes.curved import vertices
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError
 
-_SAME = 1e-12  # of the angle: uniform in an element, up to round-off
+_SAME = 1e-12  # relative difference of angles that are uniform in an element
 Known = tuple[tuple[Field, Varying], ...]
 
 
 @dataclass(frozen=True)
 class Envelopes:
-    """Forms of a region in whose elements the angle varies: around, and within, all."""
+    """Forms of a region with varying angles: around, and within, all of each element."""
 
     above: ConicForm
     below: ConicForm
@@ -40,20 +40,20 @@ def envelopes(
     elements: Ints,
     kinematics: str,
 ) -> Envelopes:
-    """The forms of a criterion whose friction angle, or dilation angle, varies.
+    """Return the forms of a criterion whose friction angle, or dilation angle, varies.
 
     Args:
-        place: of the criterion, for messages.
-        criterion: with these angles.
-        known: what is known of all of its fields in the elements.
-        mesh: of the body.
-        elements: of the region, shape (e,).
-        kinematics: of the body.
+        place: name of the criterion, for messages.
+        criterion: criterion with these angles.
+        known: values of all of its fields in the elements.
+        mesh: mesh of the body.
+        elements: elements of the region, shape (e,).
+        kinematics: kinematics of the body.
 
     Raises:
-        InputError: angles that are none somewhere, or 0; dilation above friction.
+        InputError: invalid angles somewhere, or 0; dilation above friction.
     """
-    assert isinstance(criterion, Angled)  # no other takes a field for an angle
+    assert isinstance(criterion, Angled)  # Only this criterion may have a field as angle.
     friction: Strength = criterion.friction_angle  # type: ignore[assignment]  # as it was taken
     low, high = _limits(friction, known, elements.size)
     _check(f"{place}.friction_angle", low, high, mesh, elements)
@@ -76,7 +76,7 @@ def envelopes(
 
 
 def _limits(value: Strengths, known: Known, count: int) -> tuple[Floats, Floats]:
-    """Least and greatest value in elements, shape (e,) each."""
+    """Return the smallest and largest value in elements, shape (e,) each."""
     if isinstance(value, Field):
         low, high = (value.factor * limit for limit in _of(value, known).limits())
         return low, high
@@ -91,9 +91,9 @@ def _flow(
     mesh: Mesh,
     elements: Ints,
 ) -> Floats | None:
-    """Dilation angles of elements, degrees, where they vary there the mean; None: associated.
+    """Return the dilation angles of elements, degrees, as means; None: associated.
 
-    No bound asks for more: there is none where flow is not associated.
+    No bound needs more, because there are none for non-associated flow.
     """
     if dilation is None:
         return None
@@ -122,7 +122,7 @@ def _of(field: Field, known: Known) -> Varying:
 
 
 def _spread(values: Floats, mesh: Mesh, elements: Ints) -> Floats:
-    """Values of elements as those of all of a mesh: any where there are none."""
+    """Return values of elements as those of all of a mesh, arbitrary elsewhere."""
     whole = np.full(mesh.nelements, values[0])
     whole[elements] = values
     return whole
@@ -146,6 +146,6 @@ def _at(place: str, mesh: Mesh, element: int) -> str:
 
 
 def near(mesh: Mesh, element: int) -> str:
-    """The centre of an element, for messages."""
+    """Return the centre of an element, for messages."""
     place = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
     return f"({', '.join(f'{own:.4g}' for own in place)})"

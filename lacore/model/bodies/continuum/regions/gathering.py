@@ -1,4 +1,4 @@
-"""From what stands region by region to what stands body by body."""
+"""Conversion of values by region to values by body."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol, TypeVar
@@ -10,7 +10,7 @@ from lacore.numerics.arrays import Floats
 
 
 class HasRegions(Protocol):
-    """A body that consists of regions."""
+    """Body that consists of regions."""
 
     @property
     def regions(self) -> tuple[Region, ...]:
@@ -19,7 +19,7 @@ class HasRegions(Protocol):
 
 
 class HasBody(Protocol):
-    """What numbers the unknowns of such a body."""
+    """Numbering of the unknowns of such a body."""
 
     @property
     def body(self) -> Any:
@@ -32,7 +32,7 @@ D = TypeVar("D", bound=HasBody)
 
 
 def by_body(bodies: Mapping[str, D], values: Sequence[T]) -> Iterator[tuple[str, D, tuple[T, ...]]]:
-    """Bodies with the values of their regions; values of what comes after are left out."""
+    """Yield the bodies with the values of their regions; further values are left out."""
     first = 0
     for name, dofs in bodies.items():
         count = len(dofs.body.regions)
@@ -41,12 +41,15 @@ def by_body(bodies: Mapping[str, D], values: Sequence[T]) -> Iterator[tuple[str,
 
 
 def region_count(bodies: Mapping[str, HasBody]) -> int:
-    """Regions of all bodies: so many groups of dissipation are theirs."""
+    """Return the number of regions of all bodies, which is that of their dissipation groups."""
     return sum(len(dofs.body.regions) for dofs in bodies.values())
 
 
 def region_numbers(body: HasRegions) -> Floats:
-    """Number of the region of each element, in the order of the regions, shape (elements,)."""
+    """Return the number of the region of each element, in the order of the regions.
+
+    The shape is (elements,).
+    """
     parts = [
         np.full(region.elements.size, float(number)) for number, region in enumerate(body.regions)
     ]
@@ -54,7 +57,7 @@ def region_numbers(body: HasRegions) -> Floats:
 
 
 def gathered(body: HasRegions, parts: Sequence[Floats]) -> Floats:
-    """Values of the elements of each region, first axes, as one array over all elements."""
+    """Return values of the elements of each region, along first axes, as one array."""
     if len(parts) == 1:
         return parts[0]
     count = sum(region.elements.size for region in body.regions)
@@ -65,7 +68,7 @@ def gathered(body: HasRegions, parts: Sequence[Floats]) -> Floats:
 
 
 def element_sums(body: HasRegions, points: Sequence[Floats]) -> Floats:
-    """Sums over the points of each element, shape (elements,), of regions' values (m,)."""
+    """Return the sums of regions' values (m,) over the points of each element, (elements,)."""
     sums = [
         own.reshape(region.elements.size, -1).sum(axis=1)
         for region, own in zip(body.regions, points, strict=True)
@@ -74,12 +77,12 @@ def element_sums(body: HasRegions, points: Sequence[Floats]) -> Floats:
 
 
 def continuum_stress(dofs: HasBody, stresses: Sequence[Floats], means: Sequence[Floats]) -> Floats:
-    """Stresses at the points of elements, shape (elements, q, 4), from those of regions, Pa.
+    """Return the stresses at the points of elements, shape (elements, q, 4), from regions, Pa.
 
-    In space (elements, q, 6), see `ConicForm.stress`.
+    In three dimensions (elements, q, 6), see `ConicForm.stress`.
 
     Args:
-        dofs: of the body.
+        dofs: unknowns of the body.
         stresses: conjugate to the cone rows of each region, shape (m, dim).
         means: conjugate to its volumetric rows, shape (m L,).
     """

@@ -1,4 +1,4 @@
-"""A body on another mesh of its domain: regions and values of elements go along."""
+"""A body on another mesh of its domain, with its regions and values of elements."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -12,21 +12,21 @@ from lacore.model.materials.fields import Field, varying, with_fields
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError
 
-_INSIDE = 1e-4  # of the way to its centre: corners that lie on edges of the other mesh lie within
+_INSIDE = 1e-4  # share of the way to its centre: corners on edges of the other mesh lie within
 
 if TYPE_CHECKING:
     from lacore.model.bodies.continuum.body import Body
 
 
 def on_mesh(body: "Body", mesh: MeshTri, space: str) -> "Body":
-    """The body on another mesh of the same domain, in a velocity space.
+    """Return the body on another mesh of the same domain, in a velocity space.
 
     Raises:
-        InputError: an element of the mesh that lies in several regions.
+        InputError: an element of the mesh lies in several regions.
     """
     if mesh is body.mesh:
         return replace(body, space=space)
-    if body.dimension == 3:  # what is refined in space keeps the names of its regions
+    if body.dimension == 3:  # Refined tetrahedra keep the names of their regions.
         return replace(body, mesh=mesh, space=space)
     field = "mesh"
 
@@ -56,19 +56,20 @@ def on_mesh(body: "Body", mesh: MeshTri, space: str) -> "Body":
 
 
 def _inherited(coarse: MeshTri, finer: MeshTri, values: Floats | Ints, field: str) -> Floats | Ints:
-    """Values of the elements of a mesh in those of another one, shape (elements, ...).
+    """Return the values of the elements of a mesh in those of another one, shape (elements, ...).
 
     Args:
         coarse: straight-edged triangles.
-        finer: of the same domain, each element within one of `coarse`, or within several of the
+        finer: mesh of the same domain, each element within one of `coarse`, or within several of
+            the
             same values.
-        values: of the elements of `coarse`, shape (elements, ...).
-        field: for messages.
+        values: values of the elements of `coarse`, shape (elements, ...).
+        field: name for messages.
 
     Raises:
-        InputError: an element of `finer` that lies in elements of different values.
+        InputError: an element of `finer` lies in elements of different values.
     """
-    corner = coarse.p[:, coarse.t]  # (2, 3, elements)
+    corner = coarse.p[:, coarse.t]  # shape (2, 3, elements)
     tree = shapely.STRtree(shapely.polygons(corner.transpose(2, 1, 0)))
     own = finer.p[:, finer.t]
     middle = own.mean(axis=1)

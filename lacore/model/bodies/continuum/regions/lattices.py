@@ -1,9 +1,9 @@
-"""Dissipation of elements on a lattice of their places: above its integral, and close to it (T22).
+"""Dissipation of elements on a lattice: above its integral, and close to it (T22).
 
-The vertex rule of each triangle of the lattice is above the integral of the convex dissipation.
-Where strengths are linear in the element it takes in the triangle at vertex i
-``(k_i + k_1 + k_2 + k_3)/4``: the integral of k times an interpolant that is above the
-dissipation per k at each place (T85).
+The vertex rule of each triangle of the lattice is above the integral of the convex dissipation. If
+strengths are linear in the element, the strength in the triangle at vertex i is ``(k_i + k_1 + k_2
++ k_3)/4``: the integral of k times an interpolant that is above the dissipation per k at each place
+(T85).
 """
 
 from functools import cache
@@ -23,14 +23,14 @@ from lacore.program.surfaces import Surfaces
 def on_lattice(
     region: Region, group: DissipationGroup, velocity: Floats, space: VelocitySpace, parts: int
 ) -> Floats:
-    """Plastic power of the elements of a region, no less than that of the continuum, (e,).
+    """Return the plastic power of elements of a region, at least that of the continuum, (e,).
 
     Args:
-        region: its strengths known everywhere.
+        region: region with strengths known everywhere.
         group: its dissipation at the strain points.
-        velocity: all unknowns.
-        space: in which strain rates are linear in an element.
-        parts: into which edges are divided.
+        velocity: velocity of all unknowns.
+        space: velocity space with strain rates linear in an element.
+        parts: number of parts of each edge.
     """
     count = space.points.shape[1]
     places, share = lattice(parts, len(space.points) + 1)
@@ -55,9 +55,9 @@ def _pressed(
     onto: Floats,
     parts: int,
 ) -> Floats:
-    """Power per volume where strength depends on pressure, at the places of each element, (e, p).
+    """Return the power per volume for pressure-dependent strength, at the places, (e, p).
 
-    It is convex all the same.
+    It is convex as well.
     """
     assert group.surfaces is not None
     count, places = onto.shape[1], len(onto)
@@ -74,7 +74,7 @@ def _pressed(
 
 
 def _strengths(region: Region, parts: int) -> tuple[Floats, Surfaces | None]:
-    """Bounds and surfaces at the places of the lattice of each element of a region."""
+    """Return bounds and surfaces at the lattice places of each element of a region."""
 
     def values(varies: Varying) -> Floats:
         return np.asarray(varies.above() @ _shares(parts, varies.vertex.shape[1]).T)
@@ -85,14 +85,14 @@ def _strengths(region: Region, parts: int) -> tuple[Floats, Surfaces | None]:
 
 @cache
 def _shares(parts: int, corners: int) -> Floats:
-    """What the strengths at the vertices of an element count for at each place, (p, corners)."""
+    """Return the weights of the strengths at vertices for each place, (p, corners)."""
     if corners == 4:
         return _shares_in_space(parts)
     places, weights = lattice(parts)
     whole = np.rint(places * parts).astype(np.int64)
     number = {tuple(place): at for at, place in enumerate(whole.tolist())}
     total = np.zeros((len(whole), 3))
-    for turn in (1, -1):  # triangles that point as the element does, and the others
+    for turn in (1, -1):  # triangles with the orientation of the element, and the others
         for i, j in np.ndindex(parts + 2, parts + 2):
             k = parts - turn - i - j
             around = [(i + turn, j, k), (i, j + turn, k), (i, j, k + turn)]
@@ -110,7 +110,7 @@ def _shares_in_space(parts: int) -> Floats:
 
 
 def lattice(parts: int, corners: int = 3) -> tuple[Floats, Floats]:
-    """Barycentric coordinates, (p, corners), and weights of sum 1, by the parts they are in."""
+    """Return barycentric coordinates, (p, corners), and weights of sum 1, by adjacent parts."""
     if corners == 4:
         places, simplices = divided(parts, 4)
         return places, np.bincount(simplices.ravel()) / (4 * parts**3)

@@ -1,4 +1,4 @@
-"""What a layer costs that is thin along an edge: strengths of velocity jumps (T23)."""
+"""Strength of a thin layer along an edge, for velocity jumps (T23)."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.program.surfaces import Surfaces
 from lacore.reporting.showing import Compact
 
-_SAME = 1e-12  # of the largest: strengths of both sides of an edge that are one
+_SAME = 1e-12  # relative difference of strengths on both sides of an edge that are equal
 
 Ends = tuple[Floats, Floats]
 """Starts and ends of e edges, or of parts of them, shape (2, e) each, m."""
@@ -21,11 +21,11 @@ Ends = tuple[Floats, Floats]
 
 @dataclass(frozen=True, repr=False)
 class Carried(Compact):
-    """Strengths along e edges, `copies` control values each.
+    """Strengths along e edges, with `copies` control values each.
 
     Attributes:
-        bound: shape (m,), Pa.
-        surfaces: at the control values; None where nothing depends on pressure.
+        bound: bounds, shape (m,), Pa.
+        surfaces: surfaces at the control values; None without pressure dependence.
         ends: bounds at both ends of each edge, shape (2, e), Pa.
     """
 
@@ -34,7 +34,7 @@ class Carried(Compact):
     ends: Floats
 
     def within(self, other: "Carried") -> "Carried":
-        """What is within the strengths of both sides of the same edges, that feel pressure."""
+        """Return the strengths within those of both sides of the same edges, with friction."""
         assert self.surfaces is not None
         assert other.surfaces is not None
         pairs = (self.surfaces, other.surfaces)
@@ -48,7 +48,7 @@ class Carried(Compact):
 
 
 def alike(one: Carried, other: Carried) -> Bools:
-    """Where control values carry the same on both sides, or one side feels no pressure, (m,)."""
+    """Return where control values are equal on both sides, or one side has no friction, (m,)."""
     if one.surfaces is None or other.surfaces is None:
         return np.ones(one.bound.size, dtype=bool)
     (a, b), (k, m) = (
@@ -61,11 +61,11 @@ def alike(one: Carried, other: Carried) -> Bools:
 
 @dataclass(frozen=True, repr=False)
 class Layer(Compact):
-    """A region as it is in thin layers.
+    """Strength of a region in thin layers.
 
     Attributes:
         region: the region.
-        form: of its dissipation there, see `ConicForm.across`.
+        form: form of its dissipation there, see `ConicForm.across`.
     """
 
     region: Region
@@ -73,7 +73,7 @@ class Layer(Compact):
 
     @classmethod
     def of(cls, region: Region) -> "Layer":
-        """The layers of a region.
+        """Return the layers of a region.
 
         Raises:
             InputError: see `ConicForm.across`.
@@ -81,10 +81,10 @@ class Layer(Compact):
         return cls(region, region.form.across())
 
     def along(self, mesh: Mesh, edges: Ends, elements: Ints, copies: int) -> Carried:
-        """Strengths along edges of elements of the region.
+        """Return the strengths along edges of elements of the region.
 
-        Of strengths that are linear along an edge those that make the sum no less than the
-        integral: of a Bernstein polynomial times the strength, per that of the polynomial.
+        For strengths that are linear along an edge, they make the sum at least the integral of a
+        Bernstein polynomial times the strength, divided by that of the polynomial.
         """
         shares, at = shares_of_controls(copies)[:, 1], np.repeat(elements, copies)
         ends = np.stack([self._bounds(mesh, place, elements) for place in edges])
@@ -108,10 +108,10 @@ class Layer(Compact):
         return self.form.at_points(elements, values).bounds(np.arange(elements.size))
 
     def _of(self, own: Field, mesh: Mesh, places: Floats, elements: Ints) -> Floats:
-        """A field at places (2, e) of elements, shape (e,), nowhere more between them."""
+        """Return a field at places (2, e) of elements, (e,), as upper values along edges."""
         at = np.searchsorted(self.region.elements, elements)
         known = self.region.of(own).above_if_known()[at]
-        if len(mesh.t) != 3:  # of tetrahedra; of quadrilaterals, whose values are no bounds
+        if len(mesh.t) != 3:  # tetrahedra, and quadrilaterals, whose values are not bounds
             return np.asarray(known.max(axis=1))
         a, b, c = mesh.p[:, mesh.t[:, elements]].swapaxes(0, 1)
         to_a, to_b, to_c = a - places, b - places, c - places
@@ -120,7 +120,7 @@ class Layer(Compact):
 
 
 def shares_of_controls(copies: int) -> Floats:
-    """Weights of both ends in the strength of each control value, shape (copies, 2)."""
+    """Return the weights of both ends in the strength of each control value, (copies, 2)."""
     last = np.arange(1, copies + 1)
     return np.stack([last[::-1], last], axis=1) / (copies + 1)
 
@@ -128,12 +128,12 @@ def shares_of_controls(copies: int) -> Floats:
 def costs(
     layers: Mapping[int, Layer], mesh: Mesh, edges: Ends, elements: Ints
 ) -> tuple[Floats, Ints]:
-    """What elements carry along edges where nothing presses, Pa, and their regions, (e,) each.
+    """Return the strength of elements along edges at zero pressure, Pa, and their regions, (e,).
 
     Args:
-        layers: of regions, by number.
-        mesh: of the body.
-        edges: of the elements.
+        layers: layers of regions, by number.
+        mesh: mesh of the body.
+        edges: edges of the elements.
         elements: shape (e,).
     """
     start, end = edges
@@ -147,12 +147,12 @@ def costs(
 
 @dataclass(frozen=True, repr=False)
 class Beside(Compact):
-    """What lies on one side of e edges.
+    """One side of e edges.
 
     Attributes:
-        mesh: of the body there.
-        layers: of its regions, by number.
-        elements: at the edges, shape (e,).
+        mesh: mesh of the body there.
+        layers: layers of its regions, by number.
+        elements: elements at the edges, shape (e,).
         owner: numbers of their regions, shape (e,).
     """
 
@@ -162,7 +162,7 @@ class Beside(Compact):
     owner: Ints
 
     def along(self, edges: Ends, number: int, mine: Ints, copies: int) -> Carried:
-        """What a region carries along some edges, of numbers (m,)."""
+        """Return the strength of a region along some edges, with numbers (m,)."""
         start, end = edges
         ends = (start[:, mine], end[:, mine])
         return self.layers[number].along(self.mesh, ends, self.elements[mine], copies)
@@ -171,19 +171,20 @@ class Beside(Compact):
 def within_both(
     weak: Beside, strong: Beside, number: int, mine: Ints, edges: Ends, copies: int
 ) -> Iterator[tuple[int | None, Ints, Carried]]:
-    """What edges carry on which a region is the weaker side, in parts.
+    """Yield the strength of edges on which a region is the weaker side, in parts.
 
-    Where both sides rub, each by its own friction, that is what is within both (T87).
+    Where both sides have different friction, it is the strength within both (T87).
 
     Args:
         weak, strong: both sides of all edges.
-        number: of the region.
+        number: number of the region.
         mine: edges on which it is the weaker side, shape (m,).
-        edges: all of them.
-        copies: control values of an edge.
+        edges: all edges.
+        copies: number of control values of an edge.
 
     Returns:
-        The region beyond where it counts, else None, edges, and what they carry; None comes last.
+        The region on the other side if it matters, else None, edges, and their strength; None comes
+        last.
     """
     apart = np.zeros(mine.size, dtype=bool)
     for beyond in strong.layers if weak.layers[number].form.surfaces else ():

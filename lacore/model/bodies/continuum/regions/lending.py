@@ -1,4 +1,4 @@
-"""Regions without cohesion or without tension, and what lent to them no result sees (T45, T48)."""
+"""Regions without cohesion or tension, and negligible strengths for proofs (T45, T48)."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -11,37 +11,38 @@ from lacore.numerics.arrays import Floats
 if TYPE_CHECKING:
     from lacore.model.bodies.continuum.body import Body
 
-_LENT = 1e-5  # of the dead load per size of a body: no result sees it, and proofs do
+# by the dead load and the size of a body: negligible for results, sufficient for proofs
+_LENT = 1e-5
 
 
 def strengthless(body: "Body") -> Iterator[Region]:
-    """Regions of a body that somewhere carry nothing where nothing presses them."""
+    """Yield the regions of a body without strength at zero pressure somewhere."""
     for region in body.regions:
         if region.form.surfaces and not region.least_strength > 0:
             yield region
 
 
 def next_to_none(body: "Body", dead_load: Floats) -> float:
-    """Strength without pressure that no result sees and proofs do, Pa.
+    """Return a strength at zero pressure that is negligible, but sufficient for proofs, Pa.
 
     Args:
-        body: with regions that have less.
-        dead_load: on all unknowns, N/m; of bodies of revolution and in space N.
+        body: body with regions of smaller strength.
+        dead_load: dead load on all unknowns, N/m; for axisymmetric and three-dimensional bodies N.
     """
     area = body.size ** (2 if body.axisymmetric or body.dimension == 3 else 1)
     return _LENT * (float(np.abs(dead_load).sum()) / area or largest_strength(body) or 0.1)
 
 
 def lend(body: "Body", dead_load: Floats) -> str:
-    """What to lend regions without strength, in words; arguments as of `next_to_none`."""
+    """Return advice on the strength for regions without any; see `next_to_none`."""
     lent = f"{next_to_none(body, dead_load):.1e} Pa of cohesion or of tension"
     return f"lend it next to none, {lent} (Rankine for NoTension)"
 
 
 def hardly_any(body: "Body", dead_load: Floats) -> float | None:
-    """The least strength of a body without pressure, Pa, if proofs have less room than they need.
+    """Return the smallest strength at zero pressure, Pa, if it is too small for proofs.
 
-    Arguments as of `next_to_none`; None if they have enough.
+    The arguments are those of `next_to_none`; None if it is sufficient.
     """
     strengths = [region.least_strength for region in body.regions if region.form.surfaces]
     least = min(strengths, default=np.inf)
@@ -49,7 +50,7 @@ def hardly_any(body: "Body", dead_load: Floats) -> float | None:
 
 
 def largest_strength(body: "Body") -> float:
-    """The largest of the strengths of its regions that no pressure makes, Pa: also of crushing."""
+    """Return the largest strength of its regions without friction, Pa, including crushing."""
     return max(
         float(np.max(region.seen(own)))
         for region in body.regions

@@ -1,4 +1,4 @@
-"""Functions of place in the elements of a mesh: looked at from within each."""
+"""Evaluation of functions of place within each element of a mesh."""
 
 from collections.abc import Callable
 from itertools import product
@@ -10,26 +10,26 @@ from skfem.mesh import MeshTet1, MeshTri1
 from lacore.model.meshes.curved import vertices
 from lacore.numerics.arrays import Floats, Ints
 
-_INSIDE = 1e-6  # of the way to its centre: as near to its corners as an element is looked at
-_LINEAR = 1e-12  # of the largest value: what is linear, up to round-off
-_PARTS = 4  # into which edges are divided for places where functions are looked at
+_INSIDE = 1e-6  # share of the way to its centre: distance of places from the corners of an element
+_LINEAR = 1e-12  # relative error of a function that counts as linear
+_PARTS = 4  # number of parts of edges, which determines the places of evaluation
 
 
 def looked_at(
     values: Callable[[Floats, Ints], Floats], mesh: Mesh, elements: Ints
 ) -> tuple[Floats, Floats, bool]:
-    """A function in elements, as far as its values at places in them say.
+    """Return a function in elements, as far as values at places show it.
 
     Args:
-        values: of the function at places of shape (d, n) in elements (n,), shape (n,).
-        mesh: whose elements they are.
+        values: function at places of shape (d, n) in elements (n,), shape (n,).
+        mesh: mesh of the elements.
         elements: shape (e,).
 
     Returns:
-        Values at the places looked at, shape (e, q), at the vertices of each element, (e, a), and
-        whether it is linear in each: of straight simplices only, others are not known to be.
+        Values at the places, shape (e, q), at the vertices of each element, (e, a), and whether it
+        is linear in each: only for straight simplices, as it is unknown for others.
     """
-    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (d, a, e)
+    corner = vertices(mesh)[:, mesh.t[:, elements]]  # shape (d, a, e)
     straight, count = isinstance(mesh, MeshTri1 | MeshTet1), len(mesh.t)
     shares = _pulled(_places(count) if straight else np.eye(count))
     places = np.einsum("pa,xae->xep", shares, corner)
@@ -44,7 +44,10 @@ def looked_at(
 
 
 def _places(corners: int) -> Floats:
-    """Barycentric coordinates of a lattice, the vertices first, shape (15 or 35, corners)."""
+    """Return the barycentric coordinates of a lattice, the vertices first.
+
+    The shape is (15 or 35, corners).
+    """
     some = product(range(_PARTS + 1), repeat=corners - 1)
     inner = [(*own, _PARTS - sum(own)) for own in some if 0 <= _PARTS - sum(own) < _PARTS]
     inner = [place for place in inner if max(place) < _PARTS]
@@ -52,5 +55,5 @@ def _places(corners: int) -> Floats:
 
 
 def _pulled(shares: Floats) -> Floats:
-    """Places of an element as they are looked at: a little nearer to its centre."""
+    """Return the places of evaluation of an element: a little closer to its centre."""
     return np.asarray(shares + _INSIDE * (1 / shares.shape[1] - shares))

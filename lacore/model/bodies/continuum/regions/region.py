@@ -1,4 +1,4 @@
-"""A part of a mesh with a criterion of its own."""
+"""Part of a mesh with one criterion."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from lacore.program.surfaces import Surfaces
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity, join, text
 
-_ROUND_OFF = 1e-12  # of a strength
+_ROUND_OFF = 1e-12  # by a strength
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -23,12 +23,12 @@ class Region(Compact):
     """Elements of a mesh with the same criterion.
 
     Attributes:
-        name: of the region; empty where it is all of the body.
-        elements: of the mesh, ascending, shape (e,).
+        name: name of the region; empty if it is the whole body.
+        elements: elements of the mesh, ascending, shape (e,).
         criterion: yield criterion.
-        form: of its dissipation.
-        varying: fields of the criterion, and what is known of them in these elements.
-        within: form of what is within its criterion, of lower bounds, where that is another one.
+        form: form of its dissipation.
+        varying: fields of the criterion, and their values in these elements.
+        within: form within its criterion, for lower bounds, if it differs.
     """
 
     name: str
@@ -40,16 +40,16 @@ class Region(Compact):
 
     @property
     def weakest(self) -> "Region":
-        """With the form of lower bounds."""
+        """The region with the form of lower bounds."""
         return self if self.within is None else replace(self, form=self.within)
 
     def group_name(self, body: str) -> str:
-        """Name of its dissipation: that of the body, or ``soil.clay``."""
+        """Return the name of its dissipation: that of the body, or ``soil.clay``."""
         return f"{body}.{self.name}" if self.name else body
 
     @property
     def label(self) -> str:
-        """That of its criterion, with the least and the greatest value of what varies."""
+        """Label of its criterion, with the range of varying values."""
 
         def ranged(own: Field) -> Field:
             values = self.of(own).vertex
@@ -60,7 +60,7 @@ class Region(Compact):
 
     @property
     def told(self) -> str:
-        """How large its fields are: ``VonMises, shear_strength 1 to 3 Pa``; empty without any."""
+        """Text on the values of its fields: ``VonMises, shear_strength 1 to 3 Pa``; or empty."""
         parts = [type(self.criterion).__name__]
         for name, own in varying(self.criterion).items():
             values, unit = self.seen(own), "°" if name.endswith("_angle") else "Pa"
@@ -77,7 +77,7 @@ class Region(Compact):
         if beyond is None:
             return 0.0
         beyond = np.atleast_2d(beyond)
-        least = _ROUND_OFF * self.cohesion  # at the apex a cut-off is none beyond it
+        least = _ROUND_OFF * self.cohesion  # A cut-off beyond the apex has no effect.
         return float(((beyond >= -least).all(axis=1) & (beyond > least).any(axis=1)).mean())
 
     @property
@@ -87,27 +87,30 @@ class Region(Compact):
 
     @property
     def cohesion(self) -> float:
-        """Largest shear stress that it carries anywhere without pressure, Pa."""
+        """Largest shear strength at zero pressure, Pa."""
         if self.form.uniform:
             return self.criterion.strength
         return float(np.max(self.seen(self.form.bound)))
 
     @property
     def least_strength(self) -> float:
-        """Of the bound, or of all surfaces, at any place looked at, Pa."""
+        """Smallest strength of the bound, or of all surfaces, at any place of evaluation, Pa."""
         own = [one.strength for one in self.form.surfaces] or [self.form.bound]
         return min(float(np.min(self.seen(strength))) for strength in own)
 
     @property
     def largest_shear(self) -> float:
-        """Largest shear stress that it can carry at any pressure, Pa; inf of what has friction."""
+        """Largest shear stress at any pressure, Pa; inf with friction."""
         _, surfaces = self.strengths(self.elements, self._greatest)
         if surfaces is not None:
             return surfaces.largest_shear
         return self.cohesion
 
     def seen(self, strength: Strengths) -> Floats:
-        """A strength of the form at vertices, shape (elements, a), or of all or each element."""
+        """Return a strength of the form at vertices, (elements, a), or one for all elements.
+
+        It may also be one value for each element.
+        """
         if isinstance(strength, Field):
             factors = of_elements(strength.factor, self.elements)
             return np.asarray(factors[:, None] * self.of(strength).vertex)
@@ -116,17 +119,17 @@ class Region(Compact):
         )
 
     def of(self, own: Field) -> Varying:
-        """What is known of a field of its form."""
+        """Return the values of a field of its form."""
         return next(known for given, known in self.varying if given.values is own.values)
 
     def strengths(
         self, elements: Ints, values: Callable[[Field], Floats]
     ) -> tuple[Floats, Surfaces | None]:
-        """The bound, shape (m,), and the surfaces at m points.
+        """Return the bound, shape (m,), and the surfaces at m points.
 
         Args:
-            elements: that the points lie in, shape (m,).
-            values: of a field at the points, without its factor, shape (m,).
+            elements: elements of the points, shape (m,).
+            values: function for values of a field at the points, without its factor, shape (m,).
         """
         if not self.form.varies:
             return self.form.bounds(elements), self.form.surfaces_of(elements)
@@ -137,7 +140,7 @@ class Region(Compact):
     def at_points(
         self, values: Callable[[Varying], Floats], count: int
     ) -> tuple[Floats, Surfaces | None]:
-        """The same at as many points of each element, by values of shape (elements, count)."""
+        """Return bound and surfaces at `count` points per element, by values (elements, count)."""
 
         def own(strength: Field) -> Floats:
             return values(self.of(strength)).ravel()

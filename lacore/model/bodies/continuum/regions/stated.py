@@ -1,4 +1,4 @@
-"""From what a user states of a body to its regions."""
+"""Regions of a body from the arguments of the user."""
 
 from collections.abc import Mapping
 
@@ -21,11 +21,11 @@ from lacore.reporting.text import Quantity, Term, text
 def regions_of(
     mesh: Mesh, criterion: Criterion | Mapping[str, Criterion], kinematics: str
 ) -> tuple[Region, ...]:
-    """The regions of a body, checked.
+    """Return the regions of a body, checked.
 
     Raises:
-        InputError: names that the mesh lacks, regions that overlap or leave elements out; strengths
-            that are negative somewhere, or of other elements than those of the mesh.
+        InputError: unknown regions, regions that overlap or leave out elements; strengths that are
+            negative somewhere, or of other elements than those of the mesh.
     """
     if not isinstance(criterion, Mapping):
         require_criterion("Body.criterion", criterion)
@@ -103,14 +103,14 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
 
 
 def _where(mesh: Mesh, elements: Ints) -> str:
-    """The place of elements, and how deep it is: the smaller side of the box around them."""
+    """Return the place of elements, and how deep it is: the smaller side of the box around them."""
     places = vertices(mesh)[:, np.unique(mesh.t[:, elements])]
     low, high = places.min(axis=1), places.max(axis=1)
     return text("{} deep, within {}", Quantity((high - low).min(), "m", ".4g"), spanned(low, high))
 
 
 def _with_effect(region: Region) -> Region:
-    """The region; a cut-off that has no effect in any of its elements is refused."""
+    """Return the region; raises `InputError` if a cut-off has no effect in any element."""
     if region.without_effect == 1:
         raise InputError(
             f"{_place(region.name)}.tension_cutoff",

@@ -1,7 +1,7 @@
-"""Strengths that vary, in the elements of a region: looked at from within each.
+"""Varying strengths in the elements of a region, evaluated within each.
 
-Known at the vertices of each element: exactly where they are linear there, else by their largest
-slope from below and from above.
+They are given at the vertices of each element: exact if they are linear there, else limited from
+below and above by their largest slope.
 """
 
 from dataclasses import dataclass
@@ -18,16 +18,16 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact, placed
 from lacore.reporting.text import Quantity, text
 
-_STEEPER = 1e-9  # of a slope: round-off
+_STEEPER = 1e-9  # relative round-off of a slope
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Varying(Compact):
-    """A `Field` in the elements of a region, without its factor.
+    """`Field` in the elements of a region, without its factor.
 
     Attributes:
         vertex: values at the vertices of each element, from within it, shape (elements, a), Pa.
-        least, greatest: in each element, shape (elements,), Pa; None: not known.
+        least, greatest: limits in each element, shape (elements,), Pa; None: unknown.
         linear: whether it is linear in each element.
     """
 
@@ -37,21 +37,21 @@ class Varying(Compact):
     linear: bool
 
     def below(self) -> Floats:
-        """Values at vertices between which it is nowhere less, shape (elements, a), Pa."""
+        """Return values at vertices such that the field is nowhere smaller, (elements, a), Pa."""
         return self._bounding(self.least)
 
     def above(self) -> Floats:
-        """Values at vertices between which it is nowhere more, shape (elements, a), Pa."""
+        """Return values at vertices such that the field is nowhere larger, (elements, a), Pa."""
         return self._bounding(self.greatest)
 
     def limits(self) -> tuple[Floats, Floats]:
-        """Least and greatest in each element, (elements,); at its vertices, if not known."""
+        """Return the limits in each element, (elements,); those at its vertices if unknown."""
         if self.linear or self.least is None or self.greatest is None:
             return self.vertex.min(axis=1), self.vertex.max(axis=1)
         return self.least, self.greatest
 
     def above_if_known(self) -> Floats:
-        """As `above`; where a slope is not known the values at vertices, which prove nothing."""
+        """Return `above`; without a known slope the values at vertices, which prove nothing."""
         known = self.linear or self.greatest is not None
         return self.above() if known else self.vertex
 
@@ -64,7 +64,7 @@ class Varying(Compact):
 
 
 def in_elements(place: str, own: Field, mesh: Mesh, elements: Ints, positive: bool) -> Varying:
-    """A field in elements of a mesh, checked."""
+    """Return a field in elements of a mesh, checked."""
     if callable(own.values):
         found = _function(place, own, mesh, elements)
     else:
@@ -102,8 +102,8 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
     values, vertex, linear = looked_at(at, mesh, elements)
     if not isinstance(mesh, MeshTri1 | MeshTet1):
         return Varying(vertex, None, None, linear)
-    vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
-    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (d, a, e)
+    vertex = np.maximum(vertex, 0.0)  # Negative values are rejected above.
+    corner = vertices(mesh)[:, mesh.t[:, elements]]  # shape (d, a, e)
     if own.steepest is None or (linear and _straight(own.values, corner)):
         return Varying(vertex, None, None, linear)
     centre = corner.mean(axis=1)
@@ -122,12 +122,12 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
             ),
             "give its largest slope; where it jumps let edges of the mesh follow",
         )
-    # It may be uneven between the places looked at, as far as that slope: never taken for linear.
+    # The field may vary by that slope between the places, and is never assumed to be linear.
     return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear=False)
 
 
 def _straight(function: object, corner: Floats) -> bool:
-    """Whether a function says that it bends in no element, by corners of shape (d, a, e)."""
+    """Return whether a function declares itself linear in each element, by corners (d, a, e)."""
     if not isinstance(function, Bending):
         return False
     return not function.bends(corner.min(axis=1), corner.max(axis=1)).any()

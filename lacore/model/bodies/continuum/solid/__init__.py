@@ -1,1 +1,1 @@
-"""Bodies of tetrahedra: their faces, what holds them, and velocities that jump along faces."""
+"""Bodies of tetrahedra: their faces, supports, and velocity jumps along faces."""

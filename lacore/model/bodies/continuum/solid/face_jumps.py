@@ -1,9 +1,9 @@
-"""Velocity jumps on faces of tetrahedra, as dissipation like any other (T89, T90).
+"""Velocity jumps on faces of tetrahedra as dissipation (T89, T90).
 
-A jump over a face of area A is a layer of thickness ``h = sqrt(A)``: the strain rates of which are
-``[u]/h``, its volume is A h. The cones stand at the control values of the jump, a vertex each of a
-linear one, six of a quadratic one (`lacore.model.bodies.continuum.jumps.FACE_CONTROL`), A over
-their number each. Normal velocities do not jump by construction, but of soil, which opens as it
+A jump over a face of area A is a layer of thickness ``h = sqrt(A)`` with strain rates ``[u]/h`` and
+volume A h. The cones are at the control values of the jump: the vertices for a linear one, six
+points for a quadratic one (`lacore.model.bodies.continuum.jumps.FACE_CONTROL`), each with A divided
+by their number. Normal velocities do not jump by construction, except in soil, which opens as it
 slips.
 """
 
@@ -26,10 +26,10 @@ from lacore.numerics.arrays import Floats, Ints, Sparse
 
 @dataclass(frozen=True, repr=False)
 class FaceJumps(Jumps):
-    """Those on faces, along which strengths are the same everywhere."""
+    """Jumps on faces, along which strengths are constant."""
 
     def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
-        """As `Jumps.power`: on parts of each face, whose edges are 1/parts of its own."""
+        """Return the power as `Jumps.power`, on parts of each face with 1/parts of its edges."""
         if self.group.surfaces is not None:
             return super().power(velocity, parts)
         _, first, face = np.unique(
@@ -45,10 +45,10 @@ class FaceJumps(Jumps):
 
 @cache
 def _blossoms(copies: int, parts: int) -> tuple[Floats, Floats]:
-    """Control values of all parts of a face from its own, shape (p, copies), and their weights.
+    """Return the control values of all parts of a face, (p, copies), and their weights.
 
-    Of a quadratic ``sum_ij c_ij l_i l_j`` that of two places is ``sum_ij c_ij l_i(p) l_j(q)``
-    (Ramshaw 1987); of a linear one its values.
+    For a quadratic ``sum_ij c_ij l_i l_j`` that of two places is ``sum_ij c_ij l_i(p) l_j(q)``
+    (Ramshaw 1987); for a linear one it is the value.
     """
     places, parts_of = divided(parts, 3)
     if copies == 3:
@@ -62,17 +62,16 @@ def _blossoms(copies: int, parts: int) -> tuple[Floats, Floats]:
 
 
 def face_jumps(name: str, dofs: BodyDofs, held: HeldFaces, speeds: Ints, n: int) -> list[Jumps]:
-    """All jumps of a body for n unknowns: between its elements, and past what holds it.
+    """Return all jumps of a body for n unknowns: between elements, and past supports.
 
-    Between elements of different strength as in the plane, see
-    `lacore.model.bodies.continuum.jumps`.
+    For elements of different strength see `lacore.model.bodies.continuum.jumps`.
 
     Args:
-        name: of the body.
-        dofs: of it.
-        held: what holds it, and what it slips past.
+        name: name of the body.
+        dofs: unknowns of the body.
+        held: held faces, past which it may slip.
         speeds: unknowns of the footings, shape (f,).
-        n: unknowns.
+        n: number of unknowns.
     """
     mesh, copies = dofs.body.mesh, nodes_of_faces(dofs)
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
@@ -108,7 +107,7 @@ def face_jumps(name: str, dofs: BodyDofs, held: HeldFaces, speeds: Ints, n: int)
 
 
 def _in_faces(corner: Floats) -> Floats:
-    """Two orthonormal directions in faces with corners (3, 3, e), shape (2, 3, e)."""
+    """Return two orthonormal directions in faces with corners (3, 3, e), shape (2, 3, e)."""
     first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     first = first / np.linalg.norm(first, axis=0)
     second = second - np.sum(first * second, axis=0) * first
@@ -116,8 +115,8 @@ def _in_faces(corner: Floats) -> Floats:
 
 
 def _held_rows(held: HeldFaces, past: Ints, speeds: Ints, n: int) -> Sequence[Sparse]:
-    """Rows of u_x, u_y, u_z of what holds faces, at their control values, (e copies, n) each."""
-    motion = held.motion[:, :, past]  # (s, 3, e, copies)
+    """Return rows of u_x, u_y, u_z of the supports of faces at control values, (e copies, n)."""
+    motion = held.motion[:, :, past]  # shape (s, 3, e, copies)
     count = past.size * motion.shape[3]
     columns = np.tile(speeds, count)
     start = speeds.size * np.arange(count + 1)

@@ -1,4 +1,4 @@
-"""Faces of tetrahedra: nodes on them, and where they lie."""
+"""Faces of tetrahedra: their nodes and their geometry."""
 
 import numpy as np
 from skfem import MeshTet
@@ -15,7 +15,7 @@ _EDGE[EDGES[0], EDGES[1]] = _EDGE[EDGES[1], EDGES[0]] = np.arange(6)
 
 
 def face_geometry(mesh: MeshTet, facets: Ints) -> tuple[Floats, Floats]:
-    """Areas of faces, (n,), m^2, and unit normals out of their first element, (3, n)."""
+    """Return the areas of faces, (n,), m^2, and unit normals out of their first element, (3, n)."""
     a, b, c = face_corners(mesh, facets).transpose(1, 2, 0)
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1)
@@ -25,7 +25,7 @@ def face_geometry(mesh: MeshTet, facets: Ints) -> tuple[Floats, Floats]:
 
 
 def face_vertices(mesh: MeshTet, facets: Ints, elements: Ints) -> Ints:
-    """Which vertices of their elements the corners of faces are, 0 to 3, shape (3, n)."""
+    """Return which vertices of their elements are the corners of faces, 0 to 3, shape (3, n)."""
     own = mesh.t[:, elements]
     return np.stack([np.argmax(own == corner, axis=0) for corner in mesh.facets[:, facets]])
 
@@ -33,9 +33,10 @@ def face_vertices(mesh: MeshTet, facets: Ints, elements: Ints) -> Ints:
 def face_nodes(
     mesh: MeshTet, element_nodes: Ints, degree: int, facets: Ints, side: int = 0
 ) -> Ints:
-    """Nodes on faces as one of their elements has them, shape (3 or 6, n).
+    """Return the nodes on faces in one of their elements, shape (3 or 6, n).
 
-    Those at the vertices in the order of ``mesh.facets``, then those at the midpoints of `SIDES`.
+    Those at the vertices come first, in the order of ``mesh.facets``, then those at the midpoints
+    of `SIDES`.
     """
     element = mesh.f2t[side, facets]
     at = face_vertices(mesh, facets, element)

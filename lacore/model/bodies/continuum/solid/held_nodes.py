@@ -1,7 +1,7 @@
-"""Continuous velocities in space that conditions at nodes leave free, one node at a time.
+"""Free continuous three-dimensional velocities under conditions at nodes, node by node.
 
-As `lacore.model.conditions.elimination` in the plane; a node keeps the directions that none speaks
-of.
+As `lacore.model.conditions.elimination` in the plane; a node keeps the directions without a
+condition.
 """
 
 import numpy as np
@@ -10,14 +10,14 @@ from scipy.sparse import coo_matrix, csr_matrix
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.reporting.errors import InputError
 
-_PARALLEL = 1e-12  # of squared sizes: directions that count as one, far above round-off
+_PARALLEL = 1e-12  # by squared sizes: directions that are equal, far above round-off
 _CONFLICT = 1e-9
 
 
 def flowing_between_nodes(
     at: Ints, d: Floats, wanted: Floats, node_dofs: Ints, footings: list[str]
 ) -> tuple[Sparse, Sparse]:
-    """Velocities of nodes by their free unknowns, and by the speeds of footings.
+    """Return the velocities of nodes by their free unknowns, and by the speeds of footings.
 
     Args:
         at: nodes of conditions, shape (c,).
@@ -27,7 +27,7 @@ def flowing_between_nodes(
         footings: names, one for each speed, for messages.
 
     Raises:
-        InputError: a footing that its supports, or another footing, keep from moving.
+        InputError: a footing cannot move because of its supports, or another footing.
     """
     count = node_dofs.shape[1]
     gram = np.zeros((count, 3, 3))
@@ -47,7 +47,7 @@ def flowing_between_nodes(
             "a support or another footing at one of its nodes keeps it from moving",
             "let the other one end before it, or take the space 'p2-disc', which slips there",
         )
-    axes[~bound.any(axis=1)] = np.eye(3)  # nothing is asked: along x, y and z
+    axes[~bound.any(axis=1)] = np.eye(3)  # without conditions: along x, y and z
     node, axis = np.nonzero(~bound)
     column = np.arange(node.size)
     entries = (axes[node, :, axis].T, node_dofs[:, node], np.broadcast_to(column, (3, node.size)))

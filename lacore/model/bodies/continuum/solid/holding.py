@@ -1,4 +1,4 @@
-"""What supports and footings hold of bodies of tetrahedra, and what they leave free (T90)."""
+"""Faces of tetrahedra held by supports and footings, and their free velocities (T90)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
-_ALONG = 1e-9  # sine: directions along or across a face, up to the round-off of its corners
+_ALONG = 1e-9  # sine of directions along or across a face, up to the round-off of its corners
 
 
 @dataclass(frozen=True, repr=False)
@@ -27,13 +27,13 @@ class HeldFaces(Compact):
     """Faces of a body that supports and footings hold, each by one of them.
 
     Attributes:
-        facets: of its mesh, shape (e,).
+        facets: facets of its mesh, shape (e,).
         normal: outward unit normals, shape (3, e).
-        footing: number of the footing that holds each, -1 of supports, shape (e,).
-        motion: velocity of what holds, per each speed of the footings, at the control values of
-            the faces, shape (s, 3, e, copies); of supports 0.
+        footing: number of the footing that holds each, -1 for supports, shape (e,).
+        motion: velocity of the footing, per speed of the footings, at the control values of the
+            faces, shape (s, 3, e, copies); 0 for supports.
         holds_normal: whether it holds the normal velocity, shape (e,).
-        along: orthonormal directions in each face that it holds, 0 for none, shape (2, 3, e).
+        along: orthonormal held directions in each face, 0 for none, shape (2, 3, e).
     """
 
     facets: Ints
@@ -45,7 +45,7 @@ class HeldFaces(Compact):
 
     @property
     def sticking(self) -> Bools:
-        """Faces along which something is held, shape (e,)."""
+        """Faces held in some tangential direction, shape (e,)."""
         return np.asarray(np.any(self.along, axis=(0, 1)))
 
     @property
@@ -55,11 +55,11 @@ class HeldFaces(Compact):
 
     @property
     def directions(self) -> Floats:
-        """Orthonormal directions in which faces are held, 0 for none, shape (3, 3, e)."""
+        """Orthonormal held directions of faces, 0 for none, shape (3, 3, e)."""
         return np.concatenate([self.along, [self.normal * self.holds_normal]])
 
     def kept(self, mask: Bools) -> "HeldFaces":
-        """Those of a mask of shape (e,)."""
+        """Return the faces of a mask of shape (e,)."""
         return HeldFaces(
             self.facets[mask],
             self.normal[:, mask],
@@ -73,9 +73,9 @@ class HeldFaces(Compact):
 def face_conditions(
     body: Body, supports: Sequence[Fix], footings: Sequence[Footing], name: str
 ) -> NodeConditions:
-    """Conditions of all that holds a body, on its faces in place of nodes, directions (c, 3).
+    """Return the conditions of all supports of a body, on faces as nodes, directions (c, 3).
 
-    Without factors, which differ from place to place: see `RigidFooting.motion`.
+    They have no factors, which differ from place to place: see `RigidFooting.motion`.
     """
     parts = [_none()]
     for support in supports:
@@ -96,9 +96,9 @@ def face_conditions(
 def slid_past(
     dofs: BodyDofs, supports: Sequence[Fix], footings: Sequence[Footing], name: str
 ) -> HeldFaces:
-    """The faces of a body whose velocities jump that it may move past what holds them.
+    """Return the faces of a body with discontinuous velocities that may slip past a support.
 
-    Of soil, which opens as it slips, those that are held altogether; it sticks to others.
+    In soil, which opens as it slips, only completely held faces slip; others stick.
 
     Raises:
         InputError: see `held_faces`.
@@ -109,12 +109,12 @@ def slid_past(
 
 
 def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing]) -> HeldFaces:
-    """Faces that conditions hold, see `face_conditions`.
+    """Return the faces that conditions hold, see `face_conditions`.
 
     Args:
-        dofs: of the body.
-        asked: on faces.
-        footings: by whose numbers conditions are asked.
+        dofs: unknowns of the body.
+        asked: conditions on faces.
+        footings: footings by their numbers in the conditions.
 
     Raises:
         InputError: a face held by two, or in a direction that is neither along nor across it.
@@ -156,9 +156,9 @@ def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing
 
 
 def face_places(dofs: BodyDofs, facets: Ints) -> Floats:
-    """Coordinates of the nodes of faces, shape (3, e, nodes of a face), m.
+    """Return the coordinates of the nodes of faces, shape (3, e, nodes of a face), m.
 
-    What is linear on a face has its control values there, too.
+    The control values of functions that are linear on a face are there, too.
     """
     return np.asarray(dofs.nodes[:, dofs.facet_nodes(facets)].transpose(0, 2, 1))
 
@@ -168,13 +168,13 @@ def solid_free_basis(
     supports: Sequence[Fix],
     footings: Sequence[Footing],
 ) -> tuple[Sparse, Bools]:
-    """All velocities of bodies and speeds of footings from the free ones, and which nodes are held.
+    """Return all velocities and speeds of footings from the free ones, and which nodes are held.
 
     Returns:
         Matrix of shape (3 nodes + footings, free), the speeds last; mask of shape (nodes,).
 
     Raises:
-        InputError: a footing that cannot move, faces held by two.
+        InputError: a footing cannot move, or faces are held by two.
     """
     free, driven, touched = [], [], []
     for name, dofs in bodies.items():
@@ -185,7 +185,7 @@ def solid_free_basis(
             holds_normal = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
             holds_normal[own.facets] = own.holds_normal
             carried = np.zeros((holds_normal.size, nodes_of_faces(dofs), len(own.motion)))
-            # Of normals as the mesh has them, out of the first element: of these faces the only.
+            # Normals point out of the first element, which is the only one at these faces.
             carried[own.facets] = np.einsum("xe,sxen->ens", own.normal, own.motion)
             parts = flowing(dofs, holds_normal, carried)
         else:
@@ -211,7 +211,7 @@ def solid_free_basis(
 def moved_along(
     directions: Floats, owner: Ints, places: Floats, footings: Sequence[Footing]
 ) -> Floats:
-    """Velocity along directions (c, 3) at places (3, c) per speed of what holds, shape (c, s)."""
+    """Return the velocity along directions (c, 3) at places (3, c) per support speed, (c, s)."""
     own = _speeds(footings)
     wanted = np.zeros((owner.size, len(own)))
     for column, (number, footing, speed) in enumerate(own):
@@ -223,12 +223,12 @@ def moved_along(
 
 
 def speed_names(footings: Sequence[Footing]) -> list[str]:
-    """For messages: that of its footing for each speed."""
+    """Return the name of the footing of each speed, for messages."""
     return [footing.name for _, footing, _ in _speeds(footings)]
 
 
 def _speeds(footings: Sequence[Footing]) -> list[tuple[int, Footing, int]]:
-    """Numbers of footings, these, and numbers of speeds of each: one for each speed of all."""
+    """Return, for each speed, the number of its footing, the footing, and the number within it."""
     return [
         (number, footing, speed)
         for number, footing in enumerate(footings)
@@ -237,7 +237,7 @@ def _speeds(footings: Sequence[Footing]) -> list[tuple[int, Footing, int]]:
 
 
 def _directions(support: Fix, outward: Floats) -> list[Floats]:
-    """Directions that a support holds at faces with outward normals of shape (e, 3)."""
+    """Return the directions that a support holds at faces with outward normals (e, 3)."""
     if support.components == "normal":
         return [outward]
     axes = ["xyz".index(letter) for letter in support.components]

@@ -1,4 +1,4 @@
-"""Tetrahedra and their faces divided evenly, into parts on which convex rules come closer."""
+"""Tetrahedra and faces divided evenly into parts, on which convex rules are more accurate."""
 
 from functools import cache
 from itertools import pairwise, permutations, product
@@ -10,13 +10,13 @@ from lacore.numerics.arrays import Floats, Ints
 
 @cache
 def divided(parts: int, corners: int) -> tuple[Floats, Ints]:
-    """A triangle or a tetrahedron in parts of equal size, their edges 1/parts of its own.
+    """Return a triangle or a tetrahedron divided into parts of equal size.
 
-    The cells of a grid cut along their diagonals, as far as they lie in the simplex of descending
-    coordinates (Freudenthal 1942).
+    The edges of the parts are 1/parts of its own. They are the cells of a grid cut along their
+    diagonals, within the simplex of descending coordinates (Freudenthal 1942).
 
     Args:
-        parts: into which edges are divided.
+        parts: number of parts of each edge.
         corners: 3 or 4.
 
     Returns:

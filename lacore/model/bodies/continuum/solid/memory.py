@@ -1,9 +1,9 @@
-"""Memory that factors of problems of tetrahedra take, told before there are any.
+"""Estimate of the memory of factors for problems of tetrahedra.
 
 Fill grows as ``n**1.4`` with the unknowns n, by nested dissection. Measured with 588 to 10 692
-tetrahedra: 1.0 to 57.8 million entries of lower bounds, 21 unknowns a tetrahedron; 3.0 and 19.2
-million of velocities that jump, 18 unknowns, with 588 and 2 100. Twenty bytes an entry, all told.
-Other solvers than ``interior_point`` take several times as much.
+tetrahedra: 1.0 to 57.8 million entries for lower bounds, with 21 unknowns per tetrahedron; 3.0 and
+19.2 million for discontinuous velocities, with 18 unknowns, for 588 and 2 100. An entry takes
+twenty bytes in total. Solvers other than ``interior_point`` take several times as much.
 """
 
 import os
@@ -15,14 +15,14 @@ from lacore.model.bodies.continuum.spaces import spaces_of
 from lacore.reporting.errors import InputError
 
 _POWER = 1.4
-_STRESSES, _VELOCITIES = 1.9, 7.5  # entries per unknowns to that power
+_STRESSES, _VELOCITIES = 1.9, 7.5  # entries by the unknowns to that power
 _BYTES = 20.0
-_SHARE = 0.8  # of the memory of a computer, what one problem may take
+_SHARE = 0.8  # largest share of the memory of a computer for one problem
 _GB = 1e9
 
 
 def velocity_memory(bodies: Mapping[str, Body]) -> float:
-    """Bytes for factors of the velocities of bodies of tetrahedra, about; 0 without any."""
+    """Return the estimated bytes for factors of velocities of tetrahedra; 0 without any."""
     count = 0
     for body in bodies.values():
         if body.dimension == 3:
@@ -37,18 +37,18 @@ def velocity_memory(bodies: Mapping[str, Body]) -> float:
 
 
 def stress_memory(bodies: Mapping[str, Body]) -> float:
-    """The same of the equilibrium elements of a lower bound."""
+    """Return the estimated bytes for factors of equilibrium elements of a lower bound."""
     meshes = [body.mesh for body in bodies.values() if body.dimension == 3]
     return _taken(_STRESSES, sum(9 * mesh.nfacets + 3 * mesh.nelements for mesh in meshes))
 
 
 def told_memory(needed: float) -> str:
-    """``about 0.3 GB for factors``."""
+    """Return a text such as ``about 0.3 GB for factors``."""
     return f"about {needed / _GB:.1g} GB for factors"
 
 
 def require_memory(needed: float, bodies: Mapping[str, Body]) -> None:
-    """Raise `InputError` where factors would take more memory than there is."""
+    """Raise `InputError` if factors would need more memory than available."""
     there = physical_memory()
     if needed > _SHARE * there:
         elements = sum(body.mesh.nelements for body in bodies.values())
@@ -63,7 +63,7 @@ def require_memory(needed: float, bodies: Mapping[str, Body]) -> None:
 
 
 def physical_memory() -> float:
-    """Bytes of the computer; inf where it does not say."""
+    """Return the memory of the computer in bytes; inf if unknown."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
