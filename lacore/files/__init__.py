@@ -1,1 +1,1 @@
-"""Results to files of other programs."""
+"""Results as files for other programs."""

@@ -1,4 +1,4 @@
-"""Limit states of blocks in space as files of ParaView: polyhedra, and contact points."""
+"""Limit states of three-dimensional blocks as ParaView files: polyhedra and contact points."""
 
 from pathlib import Path
 
@@ -12,21 +12,21 @@ KINDS = ("stick", "slip", "open", "crush")
 
 
 def write_solids(state: LimitState, place: Path) -> Path:
-    """Two VTU files: the blocks, and beside them ``NAME-contact.vtu``, their contact points.
+    """Write two VTU files: the blocks, and ``NAME-contact.vtu`` with their contact points.
 
-    Blocks are polyhedra. At points: `velocity` (m/s at ``F0.u = 1``); times a scale of your choice
-    it is the displacement of the mechanism. At cells: `body`, its number in the problem, and
-    `block`, its number in the body. Contact points have `normal` (from the master into the slave),
-    `area` (m^2), `pressure` (Pa, compression positive), `traction` (Pa, all of it, on the slave),
-    `opening` and `slip` (m/s), and `state` (0 stick, 1 slip, 2 open, 3 crush).
+    Blocks are polyhedra. At points: `velocity` (m/s at ``F0.u = 1``), which times a scale is the
+    displacement of the mechanism. At cells: `body`, its number in the problem, and `block`, its
+    number in the body. Contact points have `normal` (from the master into the slave), `area` (m^2),
+    `pressure` (Pa, compression positive), `traction` (Pa, total, on the slave), `opening` and
+    `slip` (m/s), and `state` (0 stick, 1 slip, 2 open, 3 crush).
 
     Returns:
         the file of the contact points.
 
     Raises:
-        OSError: a place that cannot be written.
+        OSError: the files cannot be written.
     """
-    import meshio  # here: it imports the writers of forty formats
+    import meshio  # imported here because it imports the writers of forty formats
 
     d = state.discretisation
     points, velocity, cells = [], [], []
@@ -75,6 +75,6 @@ def write_solids(state: LimitState, place: Path) -> Path:
 
 
 def _vectors(table: pd.DataFrame, name: str) -> Floats:
-    """Three columns of a table, (m, 3)."""
+    """Return three columns of a table, (m, 3)."""
     columns = [f"{name}_{axis}" for axis in "xyz"]
     return np.ascontiguousarray(table[columns].to_numpy())

@@ -1,4 +1,4 @@
-"""Limit states and paths as files of ParaView: VTU, and a PVD of a series."""
+"""Limit states and paths as ParaView files: VTU, and a PVD file of a series."""
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +27,7 @@ from lacore.program.kinematic import DissipationGroup
 from lacore.reporting.errors import InputError
 
 SERIES = "path.pvd"
-_AROUND = 0.25  # of the size of the bodies: how far away outlines of tools end
+_AROUND = 0.25  # by the size of the bodies: distance at which outlines of tools end
 _CELLS = {
     2: {3: "triangle", 4: "quad", 6: "triangle6", 9: "quad9"},
     3: {4: "tetra", 10: "tetra10"},
@@ -39,10 +39,10 @@ class _Part:
     """Cells of one kind.
 
     Attributes:
-        kind: of meshio.
+        kind: kind of meshio.
         cells: points of each, shape (cells, a).
         points: shape (2, n), m.
-        at_points, at_cells: values by name, the last axis that of points or cells.
+        at_points, at_cells: values by name; the last axis is that of points or cells.
     """
 
     kind: str
@@ -53,21 +53,21 @@ class _Part:
 
 
 def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
-    """A limit state as a VTU file.
+    """Write a limit state as a VTU file.
 
-    At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; of
+    At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; for
     continua `region`, its number in the body, and means over each element of
     `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see `LimitState.dissipation`),
-    `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric tensors of ParaView; of
-    axisymmetric bodies rr zz tt rz), where there is water in pores also
-    `effective_stress` and `pore_pressure` (Pa). Blocks are polygons, members lines,
-    and have NaN there. Of blocks in space see `lacore.files.solids.write_solids`.
+    `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric tensors of ParaView; for
+    axisymmetric bodies rr zz tt rz); with pore water also `effective_stress` and `pore_pressure`
+    (Pa). Blocks are polygons, members lines, and have NaN there. For three-dimensional blocks see
+    `lacore.files.solids.write_solids`.
 
     Returns:
         the file.
 
     Raises:
-        InputError: another ending than .vtu, a place that cannot be written.
+        InputError: another ending than .vtu, or a file that cannot be written.
         ValueError: there is no state to show.
     """
     d, velocity = state.discretisation, state.velocity
@@ -96,7 +96,7 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
 def _flowing(
     state: LimitState, name: str, groups: Sequence[DissipationGroup], number: int
 ) -> _Part:
-    """A continuum of a limit state."""
+    """Return a continuum of a limit state."""
     assert state.point is not None
     dofs = state.discretisation.continua[name]
     rate = equivalent_rate(dofs, groups, state.point.velocity)
@@ -119,13 +119,13 @@ def _flowing(
 
 
 def _tensors(dofs: BodyDofs, stress: Floats) -> Floats:
-    """Means over elements of stresses (elements, q, 4 or 6), as ParaView takes them, (6, e)."""
+    """Return means over elements of stresses (elements, q, 4 or 6) for ParaView, (6, e)."""
     known = np.stack([element_means(dofs, own) for own in stress.transpose(2, 0, 1)])
     return np.concatenate([known, np.zeros((6 - len(known), known.shape[1]))])
 
 
 def _rigid(dofs: RigidDofs[BlockAssembly], motion: Floats, number: int) -> Iterator[_Part]:
-    """Blocks, a part for each number of corners."""
+    """Yield blocks, one part for each number of corners."""
     edges = dofs.body.edges
     moves = _spatial(dofs.velocity_at(motion, edges.block, edges.start))
     first = np.flatnonzero(np.diff(edges.block, prepend=-1))
@@ -143,21 +143,20 @@ def _rigid(dofs: RigidDofs[BlockAssembly], motion: Floats, number: int) -> Itera
 
 
 def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
-    """The snapshots of a path as VTU files, and a PVD file of them with the travel as time.
+    """Write the snapshots of a path as VTU files, and a PVD file with the travel as time.
 
-    At points: `velocity` (m/s at ``F0.u = 1``, of the step that led there), `displacement` (m,
-    from the beginning, or from the last new mesh), `equivalent_strain` (means around vertices, see
+    At points: `velocity` (m/s at ``F0.u = 1``, of the step that led there), `displacement` (m, from
+    the beginning, or from the last new mesh), `equivalent_strain` (means around vertices, see
     `lacore.model.bodies.continuum.nodal.vertex_means`, linear between). At cells means over the
-    strain points by their
-    volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
-    at that strain; of criteria with a law of hardening), `dissipation` (W/m^3: yield stress times
-    strain rate; not of soils whose flow is not associated, as it depends on their stresses); and
-    `body`, its number in the problem. Rigid blocks are polygons, with their displacement from the
-    beginning of the path, and NaN for all that they do not have. Tools and obstacles are lines,
-    their outlines near the bodies; those that do not move have the number -1.
+    strain points by their volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that
+    step), `yield_stress` (Pa, at that strain; for criteria with a law of hardening), `dissipation`
+    (W/m^3: yield stress times strain rate; not for soils with non-associated flow, as it depends on
+    their stresses); and `body`, its number in the problem. Rigid blocks are polygons, with their
+    displacement from the beginning of the path, and NaN for all other values. Tools and obstacles
+    are lines, their outlines near the bodies; those at rest have the number -1.
 
     Returns:
-        the PVD file, to be opened.
+        the PVD file to open.
 
     Raises:
         InputError: a folder that cannot be written.
@@ -169,13 +168,13 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
 def extend_series(
     path: Path, folder: str | os.PathLike[str], written: dict[int, float], digits: int = 4
 ) -> File:
-    """Add the snapshots of a path to a series that is being written, see `write_path`.
+    """Add the snapshots of a path to a series of files, see `write_path`.
 
     Args:
-        path: whose snapshots are written unless they are in the series.
-        folder: of the files; is made if it does not exist.
-        written: the travel of each step in the series; those that are added are entered.
-        digits: of the number of a step in the name of its file.
+        path: path whose snapshots are written unless they are in the series.
+        folder: folder of the files; it is made if it does not exist.
+        written: the travel of each step in the series; new ones are added.
+        digits: number of digits of a step in the name of its file.
 
     Returns:
         the PVD file of all steps.
@@ -239,7 +238,7 @@ def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
 
 
 def _faces(stage: Stage, snapshot: Snapshot, numbers: Mapping[str, int]) -> Iterator[_Part]:
-    """Outlines of tools and obstacles in a box around the bodies, each once."""
+    """Yield the outlines of tools and obstacles in a box around the bodies, each once."""
     nodes = [
         at.nodes[name] for at in (stage.start, snapshot.configuration) for name in stage.bodies
     ]
@@ -260,7 +259,7 @@ def _faces(stage: Stage, snapshot: Snapshot, numbers: Mapping[str, int]) -> Iter
 
 
 def _block(path: Path, snapshot: Snapshot, name: str, number: int) -> Iterator[_Part]:
-    """A rigid block, where it is; its pose is the only node that it has."""
+    """Yield a rigid block in its place; its pose is its only node."""
     stage = path.stage
     block, before = (stage.blocks_at(at)[name] for at in (snapshot.configuration, stage.start))
     for part in _rigid(RigidDofs(block, 0), snapshot.velocity[name], number):
@@ -269,7 +268,7 @@ def _block(path: Path, snapshot: Snapshot, name: str, number: int) -> Iterator[_
 
 
 def _dissipation(name: str, dofs: BodyDofs, velocity: Floats) -> Floats:
-    """Of a body that does not harden, at its strain points, (elements, q), W/m^3."""
+    """Return the dissipation of a body without hardening at strain points, (elements, q), W/m^3."""
     unknowns = np.zeros(int(dofs.dofs.max()) + 1)
     unknowns[dofs.dofs] = velocity
     densities = [
@@ -284,7 +283,7 @@ def _dissipation(name: str, dofs: BodyDofs, velocity: Floats) -> Floats:
 def _continuum(
     dofs: BodyDofs, body: int, at_points: Mapping[str, Floats], at_cells: Mapping[str, Floats]
 ) -> _Part:
-    # Nodes of an element stand in the order of VTK: vertices, edges from the first on, the centre.
+    # Nodes of an element are in the order of VTK: vertices, edges from the first on, the centre.
     cells = dofs.element_nodes.T
     columns = {"body": np.full(len(cells), body), "region": region_numbers(dofs.body), **at_cells}
     kinds = _CELLS[dofs.body.dimension]
@@ -292,12 +291,12 @@ def _continuum(
 
 
 def _spatial(vectors: Floats) -> Floats:
-    """With a third component, shape (3, n)."""
+    """Return the vectors with a third component, shape (3, n)."""
     return np.concatenate([vectors, np.zeros((3 - len(vectors), vectors.shape[1]))])
 
 
 def _write(place: File, parts: Iterator[_Part] | Sequence[_Part]) -> None:
-    import meshio  # here: it imports the writers of forty formats
+    import meshio  # imported here because it imports the writers of forty formats
 
     _require_vtu(place)
     parts = list(parts)
@@ -324,19 +323,19 @@ def _require_vtu(place: File) -> None:
 
 
 def _values(part: _Part, name: str, shape: tuple[int, ...]) -> Any:
-    """Values at cells, cells first; NaN where there are none."""
+    """Return the values at cells, cells first; NaN if there are none."""
     found = part.at_cells.get(name, np.full((*shape, len(part.cells)), np.nan))
     return np.ascontiguousarray(found.T)
 
 
 def _at_points(part: _Part, name: str, shape: tuple[int, ...]) -> Floats:
-    """Values at points, points last; NaN where there are none."""
+    """Return the values at points, points last; NaN if there are none."""
     return part.at_points.get(name, np.full((*shape, part.points.shape[1]), np.nan))
 
 
 @contextmanager
 def _said(what: str, place: File) -> Iterator[None]:
-    """What goes wrong with a file, as a sentence with its fix."""
+    """Convert errors of a file to an `InputError` with its fix."""
     try:
         yield
     except OSError as error:

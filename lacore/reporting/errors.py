@@ -22,9 +22,9 @@ Answer = TypeVar("Answer")
 DISTRIBUTION = "lacore-limit-analysis"
 """Name under which lacore is installed; `lacore` on the public index is another project."""
 _MOST = 2**31 - 1
-_JUDGED = ("lacore", "skfem")  # whose classes tell what is meant
+_JUDGED = ("lacore", "skfem")  # packages whose classes are checked
 _LONGEST = 300  # characters of a value in a message
-_RANGE = (1e-60, 1e60)  # products of five such numbers, areas times strengths, are still finite
+_RANGE = (1e-60, 1e60)  # Products of five such numbers, areas times strengths, are still finite.
 
 
 class LacoreError(Exception):
@@ -37,7 +37,7 @@ class LacoreError(Exception):
 
 
 class InputError(LacoreError, ValueError):
-    """A statement of the problem that cannot be right; raised before any solve.
+    """Invalid input; raised before any solve.
 
     The message reads ``field = value: reason; fix``. A reason or a fix that contains quantities or
     names is a `lacore.reporting.text.Text`, which readers of problem files see in their units and
@@ -45,8 +45,8 @@ class InputError(LacoreError, ValueError):
 
     Attributes:
         field: Name of the argument or attribute, such as ``Problem.interfaces[0].friction``.
-        value: Its value; None where the value is missing or too long to be shown.
-        reason: Why the value cannot be right.
+        value: Its value; None if the value is missing or too long to be shown.
+        reason: Why the value is wrong.
         fix: How to fix it.
     """
 
@@ -56,7 +56,7 @@ class InputError(LacoreError, ValueError):
 
     @property
     def errors(self) -> tuple[InputError, ...]:
-        """The errors that were found together; this one alone, if there is no other."""
+        """The errors that were found together; only this one, if there is no other."""
         return (self,)
 
     @property
@@ -112,7 +112,7 @@ def install_command(extra: str) -> str:
 
 
 def _short(value: object) -> str:
-    """As it is written; of what would fill pages only what it is."""
+    """Return a value as text, or only its type if it is very long."""
     written = repr(value)
     return (
         written if len(written) <= _LONGEST and "\n" not in written else f"<{type(value).__name__}>"
@@ -120,15 +120,15 @@ def _short(value: object) -> str:
 
 
 class CapabilityError(LacoreError):
-    """A backend that cannot take a program; the message says why and the way out."""
+    """Raised if a backend does not support a program; the message gives the reason and the fix."""
 
 
 class BackendError(LacoreError):
-    """A backend in a process of its own raised an error, or sent what cannot be read."""
+    """Raised for an error of a backend in a separate process, or an unreadable answer."""
 
 
 class SolveError(LacoreError):
-    """A solve that ended without a certified load factor (``throw=True``); carries the state."""
+    """Raised for a solve without a certified load factor (``throw=True``); contains the state."""
 
     def __init__(self, message: str, state: object) -> None:
         self.state = state
@@ -140,7 +140,7 @@ _KINDS: dict[Any, tuple[str, str]] = {
     Mapping: ("no mapping", "give {'name': ...}"),
     PathLike: ("no path", "give a path"),
 }
-"""Kinds that are not ours and are judged, with what to say where something else is given."""
+"""Checked types of other packages, with the fix for other arguments."""
 
 
 def renamed_argument(
@@ -163,20 +163,20 @@ def renamed_argument(
 
 
 def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
-    """A function that first raises `InputError` where an argument is not of its annotation's kind.
+    """Return a decorator that raises `InputError` for arguments of the wrong type.
 
-    Judged are kinds of things: classes of lacore, meshes, functions, mappings and paths, and None
-    beside them. Numbers, names and arrays are judged by their values, where they are read.
+    Only types of objects are checked: classes of lacore, meshes, functions, mappings and paths, and
+    None in unions with them. Numbers, names and arrays are checked by value when they are read.
 
     Args:
-        mends: what to give, for arguments of which more can be said than their kinds.
+        mends: fixes for arguments that need more than the name of their type.
     """
 
     def asking(asked: Callable[Given, Answer]) -> Callable[Given, Answer]:
         names = list(signature(asked).parameters)
 
         @cache
-        def judged() -> dict[str, tuple[type, ...]]:  # names of annotations are all known by now
+        def judged() -> dict[str, tuple[type, ...]]:  # All names in annotations are known by now.
             return {name: kinds_of(hint) for name, hint in get_type_hints(asked).items()}
 
         @wraps(asked)
@@ -193,7 +193,7 @@ def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, A
 
 
 def kinds_of(hint: object) -> tuple[type, ...]:
-    """Classes of what an annotation lets pass; none where it is not to be judged by them."""
+    """Return the classes that an annotation accepts; empty if it is not checked."""
     options = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     kinds = tuple(get_origin(option) or option for option in options)
     classes = tuple(kind for kind in kinds if isinstance(kind, type))
@@ -202,7 +202,7 @@ def kinds_of(hint: object) -> tuple[type, ...]:
 
 
 def _tells(kind: type) -> bool:
-    """Whether what is no instance of a class cannot be meant: others take numbers and arrays."""
+    """Return whether a class is checked: other classes accept numbers and arrays."""
     ours = _package(kind) in _JUDGED and not getattr(kind, "_is_protocol", False)
     return ours or issubclass(kind, tuple(_KINDS))
 
@@ -215,7 +215,7 @@ def _wrong_kind(field: str, value: object, kinds: Sequence[type], fix: str | Non
     asked = [kind for kind in kinds if kind not in (str, NoneType)]
     if isinstance(value, type) and issubclass(value, tuple(asked)):
         return InputError(field, value.__name__, "the class itself", f"give {value.__name__}(...)")
-    names = [kind.__name__.removesuffix("1") for kind in asked]  # MeshTri1 is written MeshTri
+    names = [kind.__name__.removesuffix("1") for kind in asked]  # MeshTri1 is shown as MeshTri.
     why, give = f"no {' or '.join(names)}", f"give a {_package(asked[0])}.{names[0]}"
     give = f"{give}; that of a body is body.mesh" if hasattr(value, "mesh") else give
     why, give = next((_KINDS[kind] for kind in _KINDS if issubclass(asked[0], kind)), (why, give))
@@ -225,9 +225,9 @@ def _wrong_kind(field: str, value: object, kinds: Sequence[type], fix: str | Non
 
 
 def suggest(name: str, known: Iterable[str]) -> str:
-    """What to try instead of an unknown name: "did you mean ..." or the list of known names."""
+    """Return advice for an unknown name: "did you mean ..." or the list of known names."""
     names = sorted(known)
-    alike = 0.5 if len(name) < 4 else 0.6  # of three letters one or two are half
+    alike = 0.5 if len(name) < 4 else 0.6  # In a name of three letters, one or two are half of it.
     close = get_close_matches(name, names, n=1, cutoff=alike)
     if close:
         return f"did you mean {close[0]!r}?"
@@ -235,7 +235,7 @@ def suggest(name: str, known: Iterable[str]) -> str:
 
 
 def suggest_all(name: str, known: Iterable[str]) -> str:
-    """As `suggest`, with the list of known names in any case: for names that others have given."""
+    """Return `suggest` with the list of known names in any case, for names chosen by others."""
     names = sorted(known)
     nearest = suggest(name, names)
     return f"{nearest} known names: {', '.join(names)}" if nearest.endswith("?") else nearest
@@ -249,24 +249,24 @@ def require_known(field: str, name: str, known: Iterable[str]) -> None:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a finite real number (True and False are not)."""
+    """Return whether a value is a finite real number (not True or False)."""
     if not isinstance(value, Real) or isinstance(value, bool | np.bool_):
         return False
     try:
         return isfinite(value)
-    except OverflowError:  # of a whole number that no float can hold
+    except OverflowError:  # whole numbers that no float can hold
         return False
 
 
 def is_plane_vector(value: object) -> bool:
-    """Whether a value is two finite real numbers."""
+    """Return whether a value is two finite real numbers."""
     return (
         isinstance(value, Sequence | np.ndarray) and len(value) == 2 and all(map(is_number, value))
     )
 
 
 def is_vector(value: object) -> bool:
-    """Whether a value is two finite real numbers, or three: in the plane, or in space."""
+    """Return whether a value consists of two or three finite real numbers."""
     return (
         isinstance(value, Sequence | np.ndarray)
         and len(value) in (2, 3)
@@ -295,9 +295,9 @@ def require_range(field: str, *values: object) -> None:
 
 
 def require_place(field: str, place: object) -> None:
-    """Raise `InputError` where coordinates are too large to be multiplied.
+    """Raise `InputError` if coordinates are too large to be multiplied.
 
-    Small ones are places near the origin: what turning a frame leaves of a zero, say.
+    Small ones are places near the origin, such as zeros after a rotation.
     """
     size = np.abs(np.asarray(place, dtype=np.float64))
     require_range(field, np.where(size < 1, 0.0, size))

@@ -1,7 +1,7 @@
-"""Findings: what an analysis reports in addition to its numbers, as values instead of text.
+"""Findings: reports of an analysis in addition to its numbers, as values instead of text.
 
-A finding is made where it is seen, kept in the result, and rendered where it is read, in the names
-and units of the reader. Nothing is ever read from a rendered text.
+A finding is made where it is detected, stored in the result, and rendered for its reader, with the
+reader's names and units. Nothing is ever read from a rendered text.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from lacore.reporting import terms
 from lacore.reporting.kinds import FILES, Kind
 from lacore.reporting.text import PYTHON, Quantity, Reader, Term, Text, render
 
-_SHOWN = 400  # characters of a text that `repr` shows
+_SHOWN = 400  # characters of a text in `repr`
 
 
 class Severity(Enum):
@@ -31,12 +31,12 @@ class Severity(Enum):
 
 @dataclass(frozen=True, repr=False)
 class Finding:
-    """One thing that an analysis has to report.
+    """One report of an analysis.
 
     Attributes:
-        kind: what was found.
+        kind: kind of the finding.
         where: names of the parts of the problem that it concerns, such as ``soil.bottom``.
-        values: by name, as the text of the kind uses them: texts, numbers, quantities, terms,
+        values: values by name for the text of the kind: texts, numbers, quantities, terms,
             findings, messages, and tuples of these.
         severity: its role in the result.
     """
@@ -72,10 +72,10 @@ class Message:
     """The text of a status, with the findings of its result.
 
     Attributes:
-        label: of the status.
-        general: text of the status where no finding gives the reason.
-        findings: of the result, in the order of the text.
-        plain: Whether the label says enough where no finding gives a reason: ``solved``.
+        label: label of the status.
+        general: text of the status if no finding gives the reason.
+        findings: findings of the result, in the order of the text.
+        plain: Whether the label is sufficient if no finding gives a reason: ``solved``.
     """
 
     label: str
@@ -113,8 +113,8 @@ def fill(template: str, values: Mapping[str, Any], reader: Reader = PYTHON) -> s
     Args:
         template: ``{name}`` stands for a value and ``{terms.BOND}`` for a name of
             `lacore.reporting.terms`; a tuple is written as ``a, b and c``.
-        values: By name.
-        reader: For whom quantities and names are rendered.
+        values: Values by name.
+        reader: Reader of the quantities and names.
     """
     return _Filling(reader).vformat(template, (), {"terms": terms, **values})
 
@@ -160,10 +160,10 @@ def stored(findings: Iterable[Finding]) -> str:
 
 
 def restored(text: str) -> tuple[Finding, ...]:
-    """Return the findings of a text that `stored` wrote.
+    """Return the findings of a text written by `stored`.
 
     Raises:
-        ValueError: It is no such text.
+        ValueError: It is not such a text.
     """
     try:
         return tuple(map(_finding, json.loads(text))) if text else ()

@@ -5,9 +5,9 @@ from enum import Enum
 
 
 class Kind(Enum):
-    """What a finding says. The value is its text for Python users."""
+    """Kind of a finding. The value is its text for Python users."""
 
-    # Where a mechanism ends
+    # End of a mechanism
     REACHES_SUPPORT = (
         "the mechanism reaches {where}: if the material continues there, make the body larger,"
         " because the load factor may decrease"
@@ -52,7 +52,7 @@ class Kind(Enum):
         "where free water stands on the ground, it acts on the ground, too: state a StandingWater"
     )
 
-    # What a load factor does not show
+    # Limits of what a load factor shows
     OTHER_LOAD_FACTORS = (
         "other load factors may exist, because flow is not associated; {terms.SOIL_RANGE} searches"
         " for them"
@@ -83,7 +83,7 @@ class Kind(Enum):
         " {terms.LOWER_BOUND}, which considers the continuum"
     )
 
-    # Why a solve has no certified result
+    # Reasons for results without certificate
     LOAD_OUTSIDE_CONES = (
         "the load lies outside of the friction cones: no reactions within them carry a part of it"
     )

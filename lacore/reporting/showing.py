@@ -1,4 +1,4 @@
-"""How objects print themselves: a few short lines, never an array; with a picture in notebooks."""
+"""Printing of objects: a few short lines, never an array; with a picture in notebooks."""
 
 from abc import ABC, abstractmethod
 from base64 import b64encode
@@ -19,7 +19,7 @@ _WIDTH = 98  # characters of a line: six of them stay below 600
 _LONGEST = 1000  # characters of a fact in a notebook, which wraps them
 _VALUE, _WHOLE = 72, 480  # characters of one value of an object, and of all of them
 _DPI = 110.0
-# Colours are those of the page around it, light or dark; pictures bring their own white paper.
+# The colours are those of the page, light or dark; pictures have a white background.
 _BOX = "margin:.3em 0;line-height:1.4"
 _NAME = (
     "text-align:left;vertical-align:top;font-weight:normal;opacity:.65;padding:0 1em 0 0;"
@@ -31,11 +31,11 @@ _PAPER = "display:block;max-width:100%;height:auto;background:#fff;margin:.4em 0
 
 @dataclass(frozen=True)
 class Facts:
-    """What there is to say of an object at a glance.
+    """Summary of an object.
 
     Attributes:
-        title: What came out, in one line.
-        told: at most five more, by name.
+        title: The result, in one line.
+        told: Up to five more facts, by name.
         kind: Name of the class, which precedes the title.
     """
 
@@ -49,13 +49,13 @@ class Facts:
         return ": ".join(filter(None, (self.kind, self.title)))
 
     def __str__(self) -> str:
-        """A line each."""
+        """Return one line per fact."""
         column = max(map(len, self.told), default=0)
         lines = [self.heading, *(f"  {name:<{column}}  {text}" for name, text in self.told.items())]
         return "\n".join(cut(line, _WIDTH) for line in lines)
 
     def html(self) -> str:
-        """The same for a notebook, where lines are longer."""
+        """Return the summary for a notebook, where lines are longer."""
         rows = "".join(
             f'<tr style="background:none"><th scope="row" style="{_NAME}">{escape(name)}</th>'
             f'<td style="{_TEXT}">{escape(cut(text, _LONGEST))}</td></tr>'
@@ -67,15 +67,16 @@ class Facts:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure, and what it shows where that is not the object itself."""
+    """A figure, with a caption if it does not show the object itself."""
 
     figure: "Figure"
     caption: str = ""
 
     def html(self) -> str:
-        """An image that needs no file."""
+        """Return an image that needs no file."""
         buffer = BytesIO()
-        self.figure.savefig(buffer, format="png", dpi=2 * _DPI)  # sharp on fine screens, too
+        # sharp on high-resolution screens, too
+        self.figure.savefig(buffer, format="png", dpi=2 * _DPI)
         width = round(self.figure.get_figwidth() * _DPI)
         data = b64encode(buffer.getvalue()).decode()
         shown = escape(self.caption)
@@ -89,10 +90,10 @@ class Shown(ABC):
 
     @abstractmethod
     def facts(self) -> Facts:
-        """What is known of it, without solving or drawing anything."""
+        """Return a summary, without solving or drawing anything."""
 
     def picture(self) -> Picture | None:
-        """What a notebook shows below the facts; None where there is nothing to draw."""
+        """Return the picture below the summary in a notebook; None without one."""
         return None
 
     def __repr__(self) -> str:
@@ -102,13 +103,13 @@ class Shown(ABC):
         try:
             picture = self.picture()
             drawn = "" if picture is None else picture.html()
-        except Exception as error:  # the facts are to be seen whatever becomes of the picture
+        except Exception as error:  # The summary is shown even if the picture fails.
             drawn = f"<div>no picture: {escape(f'{type(error).__name__}: {error}')}</div>"
         return f'<div style="{_BOX}">{self.facts().html()}{drawn}</div>'
 
 
 class Compact:
-    """A dataclass that prints like one, with sizes in place of arrays and long values cut."""
+    """A dataclass whose `repr` has sizes instead of arrays, and shortens long values."""
 
     def __repr__(self) -> str:
         given = (entry.name for entry in fields(self) if entry.repr)  # type: ignore[arg-type]
@@ -117,41 +118,41 @@ class Compact:
 
 
 def short(value: object) -> str:
-    """A value as it is written, if that is short; numbers have at most 7 digits."""
+    """Return the `repr` of a value if that is short; numbers have at most 7 digits."""
     return cut(_SHORT.repr(value), _VALUE)
 
 
 def cut(text: str, longest: int) -> str:
-    """A text on one line, without its end where it is too long."""
+    """Return a text on one line, shortened if it is too long."""
     line = " ".join(text.split()) if "\n" in text else text
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 
 
 def rounded_down(value: float) -> float:
-    """A number > 0 in six digits, none of them rounded up: what may be given at most."""
+    """Return a number > 0 rounded down to six digits, for upper limits."""
     least = Context(prec=6, rounding=ROUND_FLOOR).create_decimal_from_float(value)
     return float(least)
 
 
 def counted(number: int, what: str) -> str:
-    """``1 element``, ``12 elements``."""
+    """Return a count with its noun: ``1 element``, ``12 elements``."""
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def placed(place: Iterable[float]) -> str:
-    """``(1.25, 0.4)``, ``(1.25, 0.4, 2)``."""
+    """Return a place as text: ``(1.25, 0.4)``, ``(1.25, 0.4, 2)``."""
     return f"({', '.join(f'{value:.6g}' for value in place)})"
 
 
 def spanned(low: Iterable[float], high: Iterable[float]) -> Text:
-    """``x = 0 to 5 m, y = -2 to 0 m`` of a box by two of its corners."""
+    """Return a box as text, ``x = 0 to 5 m, y = -2 to 0 m``, by two of its corners."""
     sides = zip("xyz", low, high, strict=False)
     spans = ((axis, Quantity((a, b), "m", ".6g", "{} to {}")) for axis, a, b in sides)
     return join(", ", (text("{} = {}", *own) for own in spans))
 
 
 def sized(elements: int, unknowns: int, points: int) -> str:
-    """``576 elements, 2401 unknowns, 12 contact points``."""
+    """Return sizes as text: ``576 elements, 2401 unknowns, 12 contact points``."""
     return ", ".join(
         (
             counted(elements, "element"),
@@ -162,14 +163,14 @@ def sized(elements: int, unknowns: int, points: int) -> str:
 
 
 def listed(names: "Mapping[str, Any] | tuple[str, ...] | list[str]", most: int = 6) -> str:
-    """The first of some names, and how many more there are."""
+    """Return the first of some names, and the number of the others."""
     own = list(names)
     rest = f" and {len(own) - most} more" if len(own) > most else ""
     return ", ".join(cut(str(name), 60) for name in own[:most]) + rest
 
 
 class _Short(Repr):
-    """By the names of types, which is how `reprlib` finds these; none of them is imported."""
+    """`reprlib` formatters by type name, which avoids importing the types."""
 
     def repr_float(self, value: float, level: int) -> str:
         return f"{value:.7g}"

@@ -1,4 +1,4 @@
-"""What a solve came to. The text of a status says what happened and what to do about it."""
+"""Statuses of solves. The text of a status says what happened and what to do about it."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Status(Enum):
 
     @property
     def has_point(self) -> bool:
-        """Whether a velocity and a load factor may come with this status; residuals judge them."""
+        """Whether a velocity and a load factor may come with this status; residuals assess them."""
         return self in _WITH_POINT
 
     @property
@@ -79,13 +79,13 @@ class Outcome(Protocol):
 
 
 class Result(Shown):
-    """What every result offers: findings, their text, facts to print and a picture.
+    """Base of all results: findings, their text, facts to print and a picture.
 
     Attributes:
-        findings: What there is to report in addition to the numbers; a field or a property.
+        findings: Reports in addition to the numbers; a field or a property.
     """
 
-    if TYPE_CHECKING:  # as a declaration, it would be the default of a field
+    if TYPE_CHECKING:  # A declaration would become the default of a field.
 
         @property
         def findings(self) -> tuple[Finding, ...]:
@@ -123,17 +123,17 @@ class Reported(Result):
         return self.status.report(self.findings)
 
     def checked(self, throw: bool) -> Self:
-        """Return the result, or raise `SolveError` where that is asked for and it is not SOLVED."""
+        """Return the result, or raise `SolveError` if `throw` is set and it is not SOLVED."""
         if throw and self.status is not Status.SOLVED:
             from lacore.reporting.errors import (
-                SolveError,  # which loads NumPy, as no child process may
+                SolveError,  # This loads NumPy, which child processes must not do.
             )
 
             raise SolveError(self.message, self)
         return self
 
     def required(self, state: State | None) -> State:
-        """Return a state of this result, or raise `ValueError` where there is none."""
+        """Return a state of this result, or raise `ValueError` if there is none."""
         if state is None:
             raise ValueError(f"there is no state to look at: {self.message}")
         return state
@@ -164,19 +164,19 @@ _OF_THE_PROBLEM = frozenset({Status.UNSAFE, Status.LOCKED, Status.FREE, Status.J
 
 
 class Scope(Enum):
-    """Of which problem an interval of Coulomb load factors is proven."""
+    """Problem for which an interval of Coulomb load factors is proven."""
 
     ITSELF = "the problem: rigid blocks and frames have no discretisation"
     DISCRETE = "the discrete problem: velocities on the mesh, cells of joints that crush"
 
     @property
     def phrase(self) -> str:
-        """What to add to a claim, with a blank before it; empty where nothing is discretised."""
+        """Addition to a claim, with a leading blank; empty without a discretisation."""
         return " of the discrete problem" if self is Scope.DISCRETE else ""
 
 
 class Standing(Enum):
-    """What is proven of the dead loads alone."""
+    """Proven status of the dead loads alone."""
 
     STANDS = "the dead loads alone are carried"
     FALLS = "the dead loads alone are not carried, as a mechanism proves"
@@ -190,11 +190,11 @@ class Standing(Enum):
 
 @dataclass(frozen=True)
 class Claim:
-    """What a load factor proves, in words.
+    """What a load factor proves, as text.
 
     Attributes:
-        text: Short enough to stand on a line with the number.
-        reason: Why it is so; may be empty.
+        text: Short text for the line of the number.
+        reason: Reason; may be empty.
     """
 
     text: str
@@ -215,7 +215,7 @@ class Rigor(Enum):
 
     @property
     def claim(self) -> Claim:
-        """What it says of a load factor, with the reason."""
+        """Claim of a load factor, with the reason."""
         return Claim(self.value, _REASONS.get(self, ""))
 
     @property

@@ -14,10 +14,10 @@ class Quantity:
     """Numbers with a unit: a single one, a vector or an interval.
 
     Attributes:
-        numbers: In SI; a word such as "varies" takes the place of an unknown number.
-        unit: Of SI, as of `Units.size`.
+        numbers: Values in SI; a text such as "varies" for an unknown number.
+        unit: Unit of SI, see `Units.size`.
         form: Format of a number in SI.
-        pattern: Where the numbers stand; by default ``{}`` for one and ``({}, {})`` for several.
+        pattern: Format of the numbers; by default ``{}`` for one and ``({}, {})`` for several.
         framed: Whether it belongs to a frame, see `Units.size`.
     """
 
@@ -29,7 +29,7 @@ class Quantity:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers without the words."""
+        """The numbers without texts."""
         return tuple(own for own in self._all if not isinstance(own, str))
 
     @property
@@ -73,11 +73,11 @@ def interval(low: float, high: float, unit: str, form: str = "g") -> Quantity:
 
 @dataclass(frozen=True)
 class Term:
-    """A name or an expression that Python users and users of problem files write differently.
+    """Name or expression that differs between Python and problem files.
 
     Attributes:
-        python: As written in Python.
-        file: As written in a problem file, or as an option of the command line.
+        python: Form in Python.
+        file: Form in a problem file, or as an option of the command line.
     """
 
     python: str
@@ -93,10 +93,10 @@ class Term:
 
 @dataclass(frozen=True)
 class Reader:
-    """For whom a text is rendered.
+    """Reader of a text.
 
     Attributes:
-        units: Units of the quantities; None: those of SI, with the digits that were stated.
+        units: Units of the quantities; None: those of SI, with the given digits.
         files: Whether names are those of problem files rather than of Python.
         framed: Whether the text is about a frame, see `Units.size`.
     """
@@ -107,11 +107,11 @@ class Reader:
 
 
 PYTHON = Reader()
-"""Users of the Python library, who state and read everything in SI."""
+"""Users of the Python library, with everything in SI."""
 
 
 class Rendered(Protocol):
-    """A value in a text that readers see differently: a quantity, a term, a finding."""
+    """Value whose text depends on the reader: a quantity, a term, a finding."""
 
     def text_for(self, reader: Reader) -> str:
         """Return its text for a reader; `str` of it is that for `PYTHON`."""
@@ -121,7 +121,7 @@ Part = str | Rendered
 
 
 class Text(str):
-    """A text for Python users that keeps its parts, so that it can be rendered for others.
+    """Text for Python users that stores its parts, so that it can be rendered for others.
 
     It is made by `text` and rendered by `render`. An f-string that contains it is plain text for
     Python users; compose texts by `text` and `join` to keep the parts.
@@ -163,7 +163,7 @@ def join(separator: str, texts: Iterable[str]) -> Text:
 
 
 def render(own: str, reader: Reader = PYTHON) -> str:
-    """Return a text as a reader writes its quantities and names; plain text as it is."""
+    """Return a text with the quantities and names of a reader; plain text unchanged."""
     if not isinstance(own, Text):
         return own
     return "".join(_rendered(part, reader) for part in own.parts)

@@ -1,4 +1,4 @@
-"""Sizes told in one choice of units: Pa or kPa, m or mm, the same all over a page or a picture."""
+"""Quantities in a choice of units, Pa or kPa, m or mm, consistent on a page or picture."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ _OF_FRAMES = {"N/m": "N", "N": "N m", "N/m per m": "N/m"}
 
 @dataclass(frozen=True)
 class Units:
-    """What forces, lengths and stresses are told in.
+    """Units of forces, lengths and stresses.
 
     Attributes:
         force: one of `FORCES`.
-        length: one of `LENGTHS`; forces and moments are per m, or per ft, whatever it is.
-        own_stress: one of `STRESSES`; empty: the one that goes with forces.
+        length: one of `LENGTHS`; forces and moments are always per m, or per ft.
+        own_stress: one of `STRESSES`; empty: the one that matches forces.
         whole: whether forces of frames are those of a whole frame: N for N/m, N m for N.
     """
 
@@ -35,7 +35,7 @@ class Units:
 
     @property
     def stress(self) -> str:
-        """What stresses are told in."""
+        """Unit of stresses."""
         if self.own_stress:
             return self.own_stress
         if self.force in _METRIC:
@@ -43,30 +43,30 @@ class Units:
         return _CUSTOMARY[self.force][self.length == "in"]
 
     def size(self, unit: str, framed: bool = False) -> float:
-        """What one of these units is in a unit of SI.
+        """Return the size of one of these units in a unit of SI.
 
         Args:
-            unit: of SI, per unit thickness: ``Pa``, ``N/m``, ``m``; what is none of these is told
-                as it is.
-            framed: whether it is of a frame.
+            unit: unit of SI, per unit thickness: ``Pa``, ``N/m``, ``m``; other units are not
+                converted.
+            framed: whether it belongs to a frame.
         """
         return self._told(unit, framed)[1]
 
     def label(self, unit: str, framed: bool = False) -> str:
-        """The unit that a size is told in, for a unit of SI: ``kPa`` for ``Pa``; see `size`."""
+        """Return the unit for a unit of SI: ``kPa`` for ``Pa``; see `size`."""
         return self._told(unit, framed)[0]
 
     def told(self, size: float, unit: str, framed: bool = False, digits: int = 4) -> str:
-        """``20 kPa`` of 20000 Pa."""
+        """Return a quantity as text, such as ``20 kPa`` for 20000 Pa."""
         return f"{size / self.size(unit, framed):.{digits}g} {self.label(unit, framed)}"
 
     def place(self, x: float, y: float) -> str:
-        """``(0.52, -1.2) m``."""
+        """Return a place as text, such as ``(0.52, -1.2) m``."""
         size = self.size("m")
         return f"({x / size:.3g}, {y / size:.3g}) {self.length}"
 
     def _told(self, unit: str, framed: bool) -> tuple[str, float]:
-        """The label and the size of a unit of SI."""
+        """Return the label and the size of a unit of SI."""
         own = _OF_FRAMES.get(unit, unit) if framed and self.whole else unit
         force, stress = FORCES[self.force], STRESSES[self.stress]
         per = "m" if self.force in _METRIC else "ft"

@@ -1,7 +1,8 @@
-"""What a result can be asked to show: its picture, a section, film, files, scene.
+"""Views of results: picture, section, film, files, scene.
 
-A result knows neither matplotlib nor meshio, nor who uses them: `lacore.pictures` says which
-function makes a view of what. Both are named, not imported: nothing loads before it is asked for.
+Results depend neither on matplotlib nor on meshio, nor on the modules that use them:
+`lacore.pictures` registers the function for each view and class. Both are given by name and
+imported on first use.
 """
 
 from pkgutil import resolve_name
@@ -16,13 +17,13 @@ Made = TypeVar("Made")
 
 
 class View(Generic[Made]):
-    """A function whose body depends on the class of its first argument.
+    """Function whose body depends on the class of its first argument.
 
     Args:
-        verb: what it does, for the message where nobody does it.
+        verb: its action, for the message if there is no function.
 
     Attributes:
-        makers: the function for each class, as ``module:name`` both.
+        makers: function for each class, both as ``module:name``.
     """
 
     def __init__(self, verb: str) -> None:
@@ -30,10 +31,10 @@ class View(Generic[Made]):
         self.makers: dict[str, str] = {}
 
     def __call__(self, thing: object, *args: Any, **options: Any) -> Made:
-        """The view of a thing.
+        """Return the view of an object.
 
         Raises:
-            TypeError: nobody makes one of it.
+            TypeError: there is no function for its class.
         """
         for kind in type(thing).__mro__:
             maker = self.makers.get(f"{kind.__module__}:{kind.__qualname__}")

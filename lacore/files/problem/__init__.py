@@ -1,1 +1,1 @@
-"""Problems as TOML: read without running anything, written, and told as Python."""
+"""Problems as TOML: read without running code, written, and converted to Python."""

@@ -1,4 +1,4 @@
-"""Whether the bodies of a file lie beside each other, not in each other."""
+"""Check that the bodies of a file do not overlap."""
 
 from collections.abc import Mapping
 from functools import singledispatch
@@ -13,11 +13,11 @@ from lacore.model.bodies.blocks.overlap import depth_of, overlap_told
 from lacore.model.bodies.continuum.body import Body
 from lacore.reporting.errors import InputError
 
-_DEEP = 0.02  # of the smaller body: chords of round sides, that lie on each other, cross by less
+_DEEP = 0.02  # by the smaller body: adjacent round sides overlap by less because of their chords
 
 
 def require_apart(bodies: Mapping[str, AnyBody]) -> None:
-    """Raise `InputError` for bodies that lie in each other: who made one missed a coordinate."""
+    """Raise `InputError` for overlapping bodies, which are usually a missing coordinate."""
     outlines = {name: _outline(body) for name, body in bodies.items()}
     for (one, here), (other, there) in combinations(outlines.items(), 2):
         if here is None or there is None or not shapely.intersects(here, there):
@@ -32,7 +32,7 @@ def require_apart(bodies: Mapping[str, AnyBody]) -> None:
 
 @singledispatch
 def _outline(body: AnyBody) -> shapely.Geometry | None:
-    """What a body covers; None of lines."""
+    """Return the area that a body covers; None for lines."""
     return None
 
 

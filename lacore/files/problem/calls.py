@@ -1,7 +1,7 @@
-"""What a problem file makes: calls of lacore, to be carried out or told as Python.
+"""Calls of lacore for a problem file, executed or written as Python.
 
-The two cannot differ: the script beside an answer says what was done. Only functions of `MAKERS`
-are called, with numbers, texts and each other as arguments.
+Both use the same calls, so the script of a result always matches it. Only functions of `MAKERS` are
+called, with numbers, texts and each other as arguments.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,11 +22,11 @@ _MESHES = {
 _ORIGIN = "_lacore_origin"
 
 Key = tuple[str, ...]
-"""Of things that several calls take: ``("facade",)``, ``("facade", "drawing")``."""
+"""Key of something that several calls use: ``("facade",)``, ``("facade", "drawing")``."""
 
 
 PROBLEM: Key = ("", "problem")
-"""Of the problem itself, for what is made of it."""
+"""Key of the problem, for calls that use it."""
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,11 @@ class Call:
 
     Attributes:
         maker: one of `MAKERS`.
-        arguments: by name; numbers, texts, paths of files, calls, and tuples, lists and dicts of
+        arguments: arguments by name; numbers, texts, paths of files, calls, and tuples, lists and
+            dicts of
             them.
-        at: what of the file says it.
-        places: what of the file says an argument, where it is not called like it.
+        at: its path in the file.
+        places: paths in the file of arguments whose key differs from their name.
     """
 
     maker: str
@@ -56,15 +57,15 @@ class Call:
 
 @dataclass(frozen=True)
 class Own:
-    """A thing that was made before: itself, what it has, or what it says to arguments.
+    """Use of something made before: itself, an attribute, or the result of a method.
 
     Attributes:
         thing: its key.
-        name: of what it has, or of a method of it; empty: itself.
-        arguments: of the method; None: it is no method.
-        at: what of the file says it.
-        entry: the entry of the file that names the body that the thing is of.
-        unless: why and fix, where that body has no such thing.
+        name: name of an attribute or method; empty: itself.
+        arguments: arguments of the method; None: it is not a method.
+        at: its path in the file.
+        entry: entry of the file that names the body.
+        unless: reason and fix, if that body has no such thing.
     """
 
     thing: Key
@@ -84,12 +85,12 @@ class Spread:
 
 @dataclass(frozen=True)
 class Program:
-    """Things that have names, and the call that takes them.
+    """Named things, and the call that uses them.
 
     Attributes:
-        things: each may take those before it.
-        call: what all is for.
-        path: what follows it along a path, if the file states one.
+        things: each may use those before it.
+        call: the final call.
+        path: the call of a path of the problem, if the file has one.
     """
 
     things: Mapping[Key, Any]
@@ -97,10 +98,10 @@ class Program:
     path: Call | None = None
 
     def made(self) -> tuple[Any, Mapping[Key, Any]]:
-        """What the call makes, and the things.
+        """Return the result of the call, and the things.
 
         Raises:
-            MisfitError: lacore refuses some of them, or bodies overlap.
+            MisfitError: lacore rejects some of them, or bodies overlap.
         """
         making = _Making()
         for key, node in self.things.items():
@@ -117,10 +118,10 @@ class Program:
 
 @dataclass
 class _Making:
-    """What is made of a file; what lacore refuses is kept, and all that does not need it is made.
+    """Results of calls; errors are collected, and everything that does not depend on them is made.
 
     Attributes:
-        things: what was made, by key.
+        things: results by key.
         wrong: errors, each with its place in the file.
     """
 
@@ -142,7 +143,7 @@ class _Making:
         return next(self._made(node), None)
 
     def _made(self, node: Any) -> Iterator[Any]:
-        """Yield what a node makes: nothing where it, or what it needs, is wrong."""
+        """Yield the result of a node; nothing if it, or one of its arguments, is wrong."""
         if any(own.thing not in self.things for own in owned(node)):
             return
         try:
@@ -152,7 +153,7 @@ class _Making:
 
 
 class MisfitError(Exception):
-    """What lacore refuses of a file: errors, each with the place in the file that it is about."""
+    """Errors of lacore for a file, each with its place in the file."""
 
     def __init__(self, *found: tuple[InputError, Path]) -> None:
         self.found = found
@@ -160,14 +161,14 @@ class MisfitError(Exception):
 
 
 def made(node: Any, things: Mapping[Key, Any] = {}) -> Any:
-    """What calls make.
+    """Return the result of calls.
 
     Args:
-        node: a call, a thing, a list or table of them, or what is no call.
-        things: that were made before.
+        node: a call, a thing, a list or table of them, or a plain value.
+        things: things that were made before.
 
     Raises:
-        MisfitError: lacore refuses one of them.
+        MisfitError: lacore rejects one of them.
     """
     match node:
         case Call():
@@ -213,7 +214,7 @@ def _own(node: Own, things: Mapping[Key, Any]) -> Any:
 
 
 def owned(node: Any) -> Iterator[Own]:
-    """What calls take of things that were made before."""
+    """Yield the things made before that calls use."""
     match node:
         case Own():
             yield node
@@ -229,7 +230,7 @@ def owned(node: Any) -> Iterator[Own]:
 
 
 def entry(nodes: Sequence[Any], place: int, things: Mapping[Key, Any]) -> int:
-    """Which entry of a list in the file made an entry of the list that came of it."""
+    """Return the entry of a list in the file that made an entry of the resulting list."""
     before = 0
     for number, node in enumerate(nodes):
         before += len(things[node.of.thing]) if isinstance(node, Spread) else 1
@@ -239,25 +240,27 @@ def entry(nodes: Sequence[Any], place: int, things: Mapping[Key, Any]) -> int:
 
 
 def origin(mesh: object) -> Call | None:
-    """The call that a mesh was made by; None of others."""
+    """Return the call that a mesh was made by; None for other objects."""
     call: Call | None = getattr(mesh, _ORIGIN, None)
     return call
 
 
 def _noted(thing: Any, call: Call) -> Any:
-    """A thing; a mesh that knows what it was made by, until scikit-fem makes another of it."""
+    """Return a thing; a mesh with the call that made it, which copies by scikit-fem lose."""
     if call.maker in _MESHES:
         object.__setattr__(thing, _ORIGIN, call)
     return thing
 
 
 def parts(text: str) -> Path:
-    """``Problem.bodies['a'].mesh`` as a path, without its first name: ``("bodies", "a", "mesh")``.
+    """Return ``Problem.bodies['a'].mesh`` as a path without its first name.
+
+    ``("bodies", "a", "mesh")``.
 
     Numbers in brackets are places of a list, all else names.
     """
     found: list[str | int] = []
-    rest = text.partition(" ")[0]  # of "field = value, coordinates" the field
+    rest = text.partition(" ")[0]  # The field is the first word of "field = value, coordinates".
     while rest:
         if rest[0] == "[":
             inside, _, rest = rest[1:].partition("]")
@@ -272,7 +275,7 @@ def parts(text: str) -> Path:
 
 
 def _place(call: Call, text: str, things: Mapping[Key, Any]) -> Path:
-    """Where an argument of a call that an error names is in the file."""
+    """Return the place in the file of an argument of a call that an error names."""
     first, *_ = path = parts(text)
     own = path[1:] if first not in call.arguments and len(path) > 1 else path
     own = listed(call, own, things)
@@ -282,7 +285,7 @@ def _place(call: Call, text: str, things: Mapping[Key, Any]) -> Path:
 
 
 def listed(call: Call, path: Path, things: Mapping[Key, Any]) -> Path:
-    """A path into the arguments of a call, with the entry of its list as the file counts them."""
+    """Return a path into the arguments of a call, with list entries as counted in the file."""
     match path:
         case (str(name), int(place), *rest) if isinstance(call.arguments.get(name), list):
             return (name, entry(call.arguments[name], place, things), *rest)

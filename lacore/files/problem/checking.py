@@ -1,4 +1,4 @@
-"""Whether a file says what problem files say: keys, kinds of values, units."""
+"""Checks of the keys, types and units of problem files."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,14 +14,14 @@ from lacore.files.problem.units import Amount
 from lacore.reporting.errors import InputError, suggest
 
 TAGS = ("kind", "shape", "criterion", "law", "load", "measure", "tool")
-"""Keys whose values tell the kinds of tables."""
+"""Keys whose values determine the kind of a table."""
 _LIST = ("not a list", "write it as [ ... ]")
 _TABLE = ("not a table", "write it as [table] or { key = value }")
 _BOOL = ("neither true nor false", "write true or false, without quotes")
 _SAID: Mapping[str, tuple[str, str]] = {
     "tuple_type": _LIST,
     "list_type": _LIST,
-    "missing": ("too few values", "add the next one"),  # of lists: keys are checked before
+    "missing": ("too few values", "add the next one"),  # only for lists, as keys are checked before
     "too_long": ("too many values", "remove the others"),
     "dict_type": _TABLE,
     "model_type": _TABLE,
@@ -33,10 +33,10 @@ _SAID: Mapping[str, tuple[str, str]] = {
 
 
 def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
-    """What a file says, and all numbers in it.
+    """Return the contents of a file, and all numbers in it.
 
     Raises:
-        InputError: whatever in it no problem file says.
+        InputError: anything that a problem file must not contain.
     """
     amounts: list[Amount] = []
     context = {FOLDER: source.file.parent, FORCES: _whole(source.data), AMOUNTS: amounts}
@@ -48,7 +48,7 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
 
 
 def _whole(data: Mapping[str, Any]) -> frozenset[str]:
-    """Bodies whose forces are not per thickness: frames, and bodies of revolution."""
+    """Return the bodies whose forces are not per thickness: frames, and axisymmetric bodies."""
     bodies = data.get("bodies")
     if not isinstance(bodies, dict):
         return frozenset()
@@ -61,7 +61,7 @@ def _whole(data: Mapping[str, Any]) -> frozenset[str]:
 
 
 def _told(source: Source, one: Any) -> tuple[Path, InputError]:
-    """The place of an error, and the error."""
+    """Return the place of an error, and the error."""
     path, context = _path(source.data, one["loc"]), one.get("ctx", {})
     kind = one["type"]
     if kind == "refused":
@@ -86,12 +86,12 @@ def _told(source: Source, one: Any) -> tuple[Path, InputError]:
 
 
 def _path(data: Any, loc: tuple[str | int, ...]) -> Path:
-    """A place of pydantic's without the kinds that it puts between keys."""
+    """Return a place of pydantic without the tags that it inserts between keys."""
     path: list[str | int] = []
     own, tag = data, False
     for key in loc:
         tag = not tag and isinstance(own, dict) and key in map(own.get, TAGS)
-        if not tag and has(own, key):  # what is a tag may be a key, too, but after it
+        if not tag and has(own, key):  # A tag may also be a key, but after it.
             own = own[key]
             path.append(key)
     return tuple(path)

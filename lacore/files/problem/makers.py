@@ -1,4 +1,4 @@
-"""What of lacore a problem file can ask for: functions and classes by the names they have there."""
+"""Functions and classes of lacore that a problem file can use, by their names."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -116,4 +116,4 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.sequential": sequential,
 }
 NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}
-"""What stands for a value."""
+"""Names of values."""

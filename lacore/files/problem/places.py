@@ -1,7 +1,7 @@
-"""Lines of a TOML text: where each of its keys and values stands.
+"""Lines of the keys and values of a TOML text.
 
-`tomllib` reads the values and says what is no TOML, but not where they stood. What it has taken is
-well formed, so that walking over it once more is enough.
+`tomllib` reads the values and detects errors, but does not report places. Texts that it accepts are
+well formed, so a second pass over them is sufficient.
 """
 
 import re
@@ -20,7 +20,7 @@ _LETTERS = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
 
 
 def lines(text: str) -> Mapping[Path, int]:
-    """The line of each key, table and entry of an array, from 1, by its path.
+    """Return the line of each key, table and entry of an array, from 1, by its path.
 
     Args:
         text: TOML that `tomllib` has read.
@@ -29,11 +29,11 @@ def lines(text: str) -> Mapping[Path, int]:
 
 
 class _Walk:
-    """Once over a text, from its beginning."""
+    """One pass over a text, from its beginning."""
 
     def __init__(self, text: str) -> None:
         self._text, self._at = text, 0
-        self._last: dict[Path, int] = {}  # of each array of tables its latest entry
+        self._last: dict[Path, int] = {}  # latest entry of each array of tables
         self.found: dict[Path, int] = {}
         here: Path = ()
         while self._more():
@@ -43,7 +43,7 @@ class _Walk:
                 self._pair(here)
 
     def _more(self) -> bool:
-        """Go to the next thing that is written; whether there is one."""
+        """Move to the next key or value; return whether there is one."""
         blank = _BLANK.match(self._text, self._at)
         self._at = blank.end() if blank else self._at
         return self._at < len(self._text)
@@ -70,13 +70,13 @@ class _Walk:
         return path
 
     def _names(self) -> list[str]:
-        """A key, dotted or not; the place is behind it then."""
+        """Return a key, dotted or not, and move behind it."""
         names = []
         while True:
             self._more()
             quoted, bare = (kind.match(self._text, self._at) for kind in (_STRING, _BARE))
             match = quoted or bare
-            assert match is not None  # of TOML that was read
+            assert match is not None  # It is valid TOML.
             names.append(_unquoted(match[0]) if quoted else match[0])
             self._at = match.end()
             self._more()

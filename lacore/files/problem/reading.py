@@ -1,4 +1,4 @@
-"""`read_problem`: from a TOML file to the problem that it states, without running any of it."""
+"""`read_problem`: read a problem from a TOML file, without running any code of it."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Stated:
-    """What a problem file states.
+    """Contents of a problem file.
 
     Attributes:
-        source: of the file, to say where something stands.
+        source: source of the file, for the places of errors.
         problem: the problem.
-        program: what makes it.
-        things: what it made before.
-        title: of it; the name of the file, if it gives none.
-        asked: what is to be found.
+        program: calls that make it.
+        things: things that were made for it.
+        title: its title, or the name of the file.
+        asked: the requested results.
         cases: reference loads by the name of their case, as places in the list of the problem.
-        units: that answers are told in.
-        path: arguments of `lacore.sequential`, if the file states a path.
-        animated: whether an animation of it is asked for.
+        units: units of results.
+        path: arguments of `lacore.sequential`, if the file has a path.
+        animated: whether an animation of it is requested.
     """
 
     source: Source
@@ -61,13 +61,13 @@ class Stated:
     animated: bool = False
 
     def followed(self, **more: Any) -> FollowedPath:
-        """The path that the file states, see `lacore.sequential`; it states one.
+        """Return the path of the file, see `lacore.sequential`; the file must have one.
 
         Args:
-            more: arguments that are no part of the file.
+            more: arguments that are not in the file.
 
         Raises:
-            InputError: what a path cannot follow, with its line in the file.
+            InputError: the path cannot be followed, with its line in the file.
         """
         assert self.path is not None
         with self.locating():
@@ -75,18 +75,18 @@ class Stated:
 
     @contextmanager
     def locating(self) -> Iterator[None]:
-        """Say of what lacore refuses of the problem where it stands in the file."""
+        """Add the place in the file to errors of the problem."""
         try:
             yield
         except InputError as error:
             own = listed(self.program.call, self._inside(parts(error.field)), self.things)
             if not own and error.field.startswith("--"):
-                raise  # of the command line
-            value = None if error.field == "control" else error.value  # a class of Python
+                raise  # errors of the command line
+            value = None if error.field == "control" else error.value  # a Python class
             raise self.source.error(own, value, error.reason, error.fix, self.units) from error
 
     def _inside(self, path: Path) -> Path:
-        """Where in the file is what an error of the problem is about."""
+        """Return the path in the file of an error of the problem."""
         if path[:1] == ("Problem",):
             return path[1:]
         if self.program.path is not None:
@@ -104,14 +104,14 @@ class Stated:
 
 @typed()
 def read_problem(path: str | PathLike[str]) -> Problem:
-    """The problem that a TOML file states.
+    """Read a problem from a TOML file.
 
-    Nothing in the file is run: it has numbers, names and units. Meshes that it names are found from
-    its folder. See docs/guide/problem-file.md, and ``lacore new`` for files to begin with.
+    No code in the file is run: it contains numbers, names and units. Paths of meshes are relative
+    to its folder. See docs/guide/problem-file.md, and ``lacore new`` for example files.
 
     Raises:
-        InputError: no such file, no TOML, keys, values, units or names that cannot be right; it
-            says the file, the line, the field, the value, and what to do.
+        InputError: no such file, invalid TOML, or invalid keys, values, units or names; it states
+            the file, the line, the field, the value, and the fix.
 
     Example:
         >>> la.write_problem(la.examples.beam(), "beam.toml", title="A beam")
@@ -122,13 +122,14 @@ def read_problem(path: str | PathLike[str]) -> Problem:
 
 
 def read(path: str | PathLike[str]) -> Stated:
-    """As `read_problem`, with what else is in the file."""
+    """Read a file as `read_problem`, with all of its other contents."""
     return stated_by(Source.of(File(fspath(path))))
 
 
 def stated_by(source: Source) -> Stated:
-    """What a file states that has been read; errors as of `read_problem`."""
-    from lacore.files.problem.checking import checked  # here: pydantic takes a while to load
+    """Return the contents of a file that has been read; raises errors as `read_problem`."""
+    # imported here because pydantic takes a while to load
+    from lacore.files.problem.checking import checked
 
     stated, amounts = checked(source)
     asked = stated.solve.units.given

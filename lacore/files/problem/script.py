@@ -1,4 +1,4 @@
-"""A problem of a file as the Python that makes the same one."""
+"""Python script for the problem of a file."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,15 +12,15 @@ from typing import Any
 from lacore.files.problem.calls import PROBLEM, Call, Key, Name, Own, Program, Spread
 
 _WIDTH = 96
-_TAKEN = ("la", "Path", "problem", "state", "path")  # by scripts, for something else
+_TAKEN = ("la", "Path", "problem", "state", "path")  # used in scripts for other objects
 
 
 def script(program: Program, folder: Path) -> str:
-    """What makes a problem, as lines of Python that end with ``problem = ...``.
+    """Return the Python lines that make a problem, ending with ``problem = ...``.
 
     Args:
-        program: of it.
-        folder: of the script, from which it finds files.
+        program: calls of the problem.
+        folder: folder of the script, to which paths are relative.
     """
     writer = _Writer(folder, {**_variables(program.things), PROBLEM: "problem"})
     lines = [(writer.variables[key], node) for key, node in program.things.items()]
@@ -29,12 +29,12 @@ def script(program: Program, folder: Path) -> str:
 
 
 def path_script(program: Program, folder: Path, more: Mapping[str, Any]) -> str:
-    """What follows the problem of a `script` along its path: ``path = ...``.
+    """Return the Python lines for the path after the problem of a `script`: ``path = ...``.
 
     Args:
-        program: with a path.
-        folder: of the script.
-        more: arguments that the file does not state.
+        program: program with a path.
+        folder: folder of the script.
+        more: arguments that are not in the file.
     """
     assert program.path is not None
     writer = _Writer(folder, {**_variables(program.things), PROBLEM: "problem"})
@@ -43,7 +43,7 @@ def path_script(program: Program, folder: Path, more: Mapping[str, Any]) -> str:
 
 
 def _variables(keys: Iterable[Key]) -> dict[Key, str]:
-    """A name of Python for each thing."""
+    """Return a Python name for each thing."""
     found: dict[Key, str] = {}
     for key in keys:
         plain = re.sub(r"\W", "_", "_".join(key))
@@ -60,7 +60,7 @@ class _Writer:
     """Calls as Python.
 
     Attributes:
-        folder: of the script.
+        folder: folder of the script.
         variables: names of things.
     """
 
@@ -68,12 +68,12 @@ class _Writer:
     variables: Mapping[Key, str]
 
     def told(self, node: Any, indent: int = 0, used: int = 0) -> str:
-        """What calls make.
+        """Return calls as Python.
 
         Args:
             node: see `lacore.files.problem.calls.made`.
-            indent: of the lines after the first.
-            used: letters before it on the first.
+            indent: indentation of the lines after the first.
+            used: number of letters before it on the first line.
         """
         match node:
             case Call():
@@ -110,7 +110,7 @@ class _Writer:
     def _listed(
         self, begin: str, items: Sequence[tuple[str, Any]], end: str, indent: int, used: int
     ) -> str:
-        """On one line where there is room, else an item a line."""
+        """Return items on one line if they fit, else one item per line."""
         line = ", ".join(f"{head}{self.told(own)}" for head, own in items)
         if indent + used + len(begin + line + end) < _WIDTH and "\n" not in line:
             return f"{begin}{line}{end}"
@@ -122,7 +122,7 @@ class _Writer:
 
 
 def way(file: Path, folder: Path) -> str:
-    """From a folder to a file, with / on every system."""
+    """Return the path from a folder to a file, with / on every system."""
     place, start = file.resolve(), folder.resolve()
     for up, parent in enumerate((start, *start.parents)):
         if place.is_relative_to(parent):

@@ -1,4 +1,4 @@
-"""A problem file as it is written, and errors that name the line of what they are about."""
+"""Source of a problem file, and errors with the line that they are about."""
 
 from __future__ import annotations
 
@@ -21,17 +21,18 @@ _ENDING = ".toml"
 _START = "`lacore new` prints problem files to start from"
 _LARGEST = 10_000_000  # bytes
 
-_TWICE = re.compile(r"Cannot (mutate immutable namespace|overwrite a value).*")  # of tomllib
+# messages of tomllib
+_TWICE = re.compile(r"Cannot (mutate immutable namespace|overwrite a value).*")
 
 
 @dataclass(frozen=True)
 class Source:
-    """A problem file as it is written.
+    """Source of a problem file.
 
     Attributes:
         file: its path.
         data: its tables.
-        lines: of all that is in it, see `lacore.files.problem.places.lines`.
+        lines: lines of its contents, see `lacore.files.problem.places.lines`.
     """
 
     file: File
@@ -48,7 +49,7 @@ class Source:
         shown = str(file)
         raw = _contents(file)
         try:
-            text = raw.decode("utf-8-sig")  # editors of Windows put a mark before it
+            text = raw.decode("utf-8-sig")  # Editors on Windows add a mark before the text.
             data = tomllib.loads(text)
         except UnicodeDecodeError as error:
             line = raw.count(b"\n", 0, error.start) + 1
@@ -69,10 +70,10 @@ class Source:
 
         Args:
             path: Where the value is.
-            value: The value, if the file does not state it.
-            reason: Why it cannot be right.
+            value: The value, if it is not in the file.
+            reason: Why it is wrong.
             fix: How to fix it.
-            units: Of the quantities in the message; None: SI.
+            units: Units of the quantities in the message; None: SI.
         """
         reader = Reader(units, files=True)
         there, own = self._nearest(path)
@@ -94,7 +95,7 @@ class Source:
         return unlike[0] if len(unlike) == 1 else MultipleInputError(*unlike)
 
     def line(self, path: Path) -> int:
-        """Where a path, or the nearest thing around it that is there, is written."""
+        """Return the line of a path, or of the nearest existing entry around it."""
         known = (path[:n] for n in range(len(path), 0, -1) if path[:n] in self.lines)
         return next((self.lines[own] for own in known), 1)
 
@@ -108,13 +109,13 @@ class Source:
 
 
 def has(table: Any, key: str | int) -> bool:
-    """Whether a table, or a list, of a file has a key."""
+    """Return whether a table, or a list, of a file has a key."""
     listed = isinstance(table, list) and isinstance(key, int) and key < len(table)
     return listed or (isinstance(table, dict) and key in table)
 
 
 def written(path: Path) -> str:
-    """``bodies.arch.thickness``, ``reference_loads[0].at``."""
+    """Return a path as text: ``bodies.arch.thickness``, ``reference_loads[0].at``."""
     text = ""
     for key in path:
         if isinstance(key, int):
@@ -126,7 +127,7 @@ def written(path: Path) -> str:
 
 
 def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputError:
-    """With the line at the front, as all others."""
+    """Return the error with the line at the front, as in all others."""
     why, _, rest = str(error).partition(" (at ")
     numbers = [int(word) for word in rest.rstrip(")").replace(",", "").split() if word.isdigit()]
     line = numbers[0] if numbers else text.count("\n") + 1
@@ -139,7 +140,7 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
 
 
 def _shown(value: Any) -> Any:
-    """Return a value as files write it, and None for a value that no file contains."""
+    """Return a value in the notation of files, and None for a value that no file contains."""
     if isinstance(value, str | bool | None):
         return value
     if isinstance(value, Real):

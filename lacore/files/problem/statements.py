@@ -1,4 +1,4 @@
-"""What of a problem a file can state: objects of lacore as its tables."""
+"""Conversion of objects of lacore to tables of a problem file."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
@@ -46,7 +46,7 @@ _WORDS = {friction.SMOOTH: "smooth", friction.STICK: "stick", friction.BOND: "bo
 
 
 def tagged(thing: object, field: str) -> Table:
-    """A criterion or a load, with all its values that are not None."""
+    """Return a criterion or a load, with all its values that are not None."""
     tag = _TAGS.get(type(thing))
     if tag is None:
         return other(thing, field)
@@ -54,7 +54,7 @@ def tagged(thing: object, field: str) -> Table:
     for name, value in varying(thing).items():
         own[name] = _varying(value, f"{field}.{name}")
     angle = own.get("friction_angle", 0)
-    if is_number(angle) and 0 < angle <= pi / 2:  # as a bare number it would be in radians
+    if is_number(angle) and 0 < angle <= pi / 2:  # A plain number would look like radians.
         own["friction_angle"] = f"{angle:.17g} {DEGREES}"
     if "hardening" in own:
         own["hardening"] = _hardening(own["hardening"], f"{field}.hardening")
@@ -73,7 +73,7 @@ def _hardening(law: Any, field: str) -> Table:
 
 @singledispatch
 def other(thing: object, field: str) -> Table:
-    """What has no table of its own name."""
+    """Return the table of another object; raises `InputError` as files cannot contain it."""
     kind = type(thing).__name__
     raise InputError(field, thing, f"no file can state a {kind}", "keep this problem in Python")
 
@@ -112,14 +112,14 @@ def _water(pressure: object, field: str) -> Any:
 
 
 def criteria(given: Any, field: str) -> Table:
-    """The criterion of a body, or those of its regions."""
+    """Return the criterion of a body, or those of its regions."""
     if isinstance(given, Mapping):
         return {name: tagged(own, f"{field}[{name!r}]") for name, own in given.items()}
     return tagged(given, field)
 
 
 def _varying(given: object, field: str) -> Table:
-    """A field, or a function of place."""
+    """Return a field, or a function of place."""
     if not isinstance(given, Field):
         return _function(given, field)
     if given.factor != 1:
@@ -128,7 +128,7 @@ def _varying(given: object, field: str) -> Table:
 
 
 def _function(values: object, field: str) -> Table:
-    """A function of place, as far as numbers say it."""
+    """Return a function of place that consists of numbers."""
     if isinstance(values, Linear | ByLevel):
         return {name: plain(own) for name, own in vars(values).items()}
     why = "a file has neither functions nor values of elements"
@@ -136,7 +136,7 @@ def _function(values: object, field: str) -> Table:
 
 
 def place(where: Where, field: str) -> Any:
-    """A part of a boundary."""
+    """Return a part of a boundary."""
     if isinstance(where, Within | Beyond):
         own = {name: value for name, value in vars(where).items() if value is not None}
         return {name: plain(value) for name, value in own.items()}
@@ -153,7 +153,7 @@ def place(where: Where, field: str) -> Any:
 
 
 def law(given: friction.Friction, field: str) -> Any:
-    """A law of friction."""
+    """Return a law of friction."""
     if given in _WORDS:
         return _WORDS[given]
     if isinstance(given, friction.Tresca):
@@ -166,13 +166,13 @@ def law(given: friction.Friction, field: str) -> Any:
 
 
 def support(fix: loads.Fix, field: str) -> Table:
-    """A support."""
+    """Return a support."""
     where = place(fix.where, f"{field}.where")
     return {"body": fix.body, "where": where, "components": fix.components}
 
 
 def interface(pair: Interface, field: str) -> Table:
-    """An interface."""
+    """Return an interface."""
     sides = [
         {"body": name, "where": place(where, f"{field}.{side}")}
         for side, (name, where) in zip(("slave", "master"), pair.sides, strict=False)
@@ -189,7 +189,7 @@ def interface(pair: Interface, field: str) -> Table:
 
 
 def blocks(body: BlockAssembly) -> Table:
-    """Rigid blocks: walls and arches, too, are polygons."""
+    """Return rigid blocks: walls and arches become polygons, too."""
 
     def stated(own: float | friction.Friction, field: str) -> Any:
         return law(friction.friction_law(own, field), field)
@@ -208,8 +208,8 @@ def blocks(body: BlockAssembly) -> Table:
 
 
 def frame(body: Frame) -> Table:
-    """A frame."""
-    assert isinstance(body.members, Mapping)  # since it was built
+    """Return a frame."""
+    assert isinstance(body.members, Mapping)  # set in the constructor
     given = body.sections
     own = given if isinstance(given, Mapping) else dict.fromkeys(body.member_names, given)
     drawn = {name: _section(one) for name, one in own.items() if one is not None}
@@ -242,7 +242,7 @@ def _section(own: Section) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts, lists and tables of them."""
+    """Return numbers, texts, lists and tables of them."""
     if isinstance(value, str | bool):
         return value
     if isinstance(value, Mapping):
@@ -253,5 +253,5 @@ def plain(value: Any) -> Any:
 
 
 def _short(value: float) -> float | int:
-    """Whole numbers without a point, as people write them."""
+    """Return whole numbers without a point."""
     return int(value) if value.is_integer() and abs(value) < 2**53 else value

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     import pint
 
 DEGREES = "deg"
-"""Of angles, with or without a unit."""
+"""Unit of angles, which may be left out."""
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*")
 _COMMA = re.compile(r"\s*[+-]?\d+,\d")
-_ONE = r"([A-Za-zµμ_]+)(?:\^?(-?\d))?"  # kN, m3, m^3, s-1: what is raised further has no end
+_ONE = r"([A-Za-zµμ_]+)(?:\^?(-?\d))?"  # kN, m3, m^3, s-1: higher powers do not occur
 _TAKEN = re.compile(rf"{_ONE}(?:\s*[*/ ]\s*{_ONE})*")
 _LONGEST = 40
 _KINDS = {"m": "length", "Pa": "stress"}
@@ -29,7 +29,7 @@ _PAIRS = (
     *(("N", "m"), ("kN", "m"), ("MN", "m")),
     *(("lbf", "ft"), ("lbf", "in"), ("kip", "ft"), ("kip", "in")),
 )
-_POWERS = {"N": 0, "N m": -1, "N/m": 1, "N/m^3": 3}  # of a length that a force is divided by
+_POWERS = {"N": 0, "N m": -1, "N/m": 1, "N/m^3": 3}  # power of the length that divides a force
 _WRITTEN: Mapping[str, Sequence[tuple[str, float]]] = {
     "m": [*LENGTHS.items()],
     "Pa": [*STRESSES.items()],
@@ -67,10 +67,10 @@ _EXAMPLES = {
 
 
 class WrongUnitError(ValueError):
-    """A text that is no amount of what is asked for.
+    """Text that is not an amount of the required kind.
 
     Attributes:
-        reason, fix: as of `lacore.reporting.errors.InputError`.
+        reason, fix: see `lacore.reporting.errors.InputError`.
     """
 
     def __init__(self, why: str, fix: str) -> None:
@@ -80,13 +80,13 @@ class WrongUnitError(ValueError):
 
 @dataclass(frozen=True)
 class Amount:
-    """A number of a file.
+    """Number of a file.
 
     Attributes:
-        given: as it is written there, a number or a text.
-        value: in the unit that it becomes.
-        own: that unit, of SI; ``deg`` of angles, empty where there is none.
-        size: what the unit that it is written with is in that one; 1 where none is.
+        given: number or text in the file.
+        value: value in the resulting unit.
+        own: that unit, of SI; ``deg`` for angles, empty without a unit.
+        size: size of the given unit in that unit; 1 without one.
     """
 
     given: object
@@ -96,14 +96,14 @@ class Amount:
 
 
 def amount(text: str, accepted: tuple[str, ...]) -> Amount:
-    """What a text is in the first unit that has its dimension.
+    """Return a text in the first unit that has its dimension.
 
     Args:
         text: a number and a unit.
-        accepted: units, as of `pint`; ``deg`` alone for angles; none where only numbers are taken.
+        accepted: units of `pint`; ``deg`` alone for angles; empty for plain numbers.
 
     Raises:
-        WrongUnitError: no number, none or an unknown unit, one of another dimension.
+        WrongUnitError: no number, no or an unknown unit, or one of another dimension.
     """
     fix = _fix(accepted)
     if accepted and _COMMA.match(text):
@@ -130,13 +130,13 @@ def amount(text: str, accepted: tuple[str, ...]) -> Amount:
 
 
 def chosen(amounts: Iterable[Amount], sizes: Iterable[float], asked: Mapping[str, str]) -> Units:
-    """What answers to a file are told in: forces, lengths and stresses as most of each are written.
+    """Return the units of results: the most frequent units of forces, lengths and stresses.
 
     Args:
-        amounts: all numbers of the file. Lengths without a unit are in m, and 0 has none. Where no
-            force has a unit, that of stresses says it, and the other way round.
-        sizes: in SI, which forces fit where the file writes no unit at all.
-        asked: a unit for ``force``, ``length``, ``stress``, whatever is written.
+        amounts: all numbers of the file. Lengths without a unit are in m, and 0 has none. If no
+            force has a unit, that of stresses determines it, and vice versa.
+        sizes: values in SI, which determine the unit of forces if the file has none at all.
+        asked: a unit for ``force``, ``length``, ``stress`` that takes precedence.
     """
     found: dict[str, Counter[str]] = {kind: Counter() for kind in ("force", "length", "stress")}
     for one in amounts:
@@ -153,12 +153,12 @@ def chosen(amounts: Iterable[Amount], sizes: Iterable[float], asked: Mapping[str
 
 def _parsed(unit: str, fix: str) -> "pint.Unit":
     plain = unit.translate(_SIGNS).replace("**", "^")
-    plain = re.sub(r"\b([kMG]?N)m\b", r"\1 m", plain)  # to pint kNm is a length
+    plain = re.sub(r"\b([kMG]?N)m\b", r"\1 m", plain)  # pint reads kNm as a length.
     if len(plain) > _LONGEST or _TAKEN.fullmatch(plain) is None:
         raise WrongUnitError(f"{unit!r} is not a unit", fix)
     try:
         return _registry().Unit(re.sub(_ONE, _raised, plain))
-    except Exception as error:  # pint has no common one
+    except Exception as error:  # pint has no common exception
         raise WrongUnitError(f"{unit!r} is not a known unit", fix) from error
 
 
@@ -176,13 +176,14 @@ def _fix(accepted: tuple[str, ...]) -> str:
 
 
 def _rounded(value: float) -> float:
-    """Without the last two digits: 20 kPa are 20000 Pa, whatever the factor was."""
+    """Round off the last two digits: 20 kPa are 20000 Pa for any conversion factor."""
     return float(f"{value:.14g}")
 
 
 @cache
 def _registry() -> "pint.UnitRegistry[float]":
-    import pint  # here: it takes half a second to load, and files without units have no use for it
+    # imported here because it takes half a second to load, and files without units do not need it
+    import pint
 
     registry: pint.UnitRegistry[float] = pint.UnitRegistry(cache_folder=None)
     for definition in _OWN:

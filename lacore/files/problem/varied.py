@@ -1,4 +1,4 @@
-"""A number of a problem file that varies, and the problem at each of its values."""
+"""Varying number of a problem file, and the problem at each of its values."""
 
 import re
 from collections.abc import Iterator
@@ -21,12 +21,12 @@ _WRITTEN = "write NAME=LOW:HIGH, such as arch.thickness='5 cm:20 cm', reference_
 
 @dataclass(frozen=True)
 class Varied:
-    """A number of a file, and the range that it is asked about.
+    """Number of a file, and its range.
 
     Attributes:
         source: the file.
-        path: of the number in it.
-        unit: of SI that the range is in; ``deg`` of angles, empty where there is none.
+        path: path of the number in it.
+        unit: SI unit of the range; ``deg`` for angles, empty without a unit.
         low, high: the range.
     """
 
@@ -38,36 +38,35 @@ class Varied:
 
     @property
     def name(self) -> str:
-        """Of the number: ``bodies.arch.thickness``."""
+        """Name of the number: ``bodies.arch.thickness``."""
         return written(self.path)
 
     def stated(self, value: float) -> Stated:
-        """The file with another value.
+        """Return the file with another value.
 
         Raises:
-            InputError: the problem cannot be, with its line.
+            InputError: the problem is invalid, with its line.
         """
         unit = f" {self.unit}" if self.unit else ""
         return stated_by(_with(self.source, self.path, f"{value!r}{unit}" if unit else value))
 
     def problem(self, value: float) -> Problem:
-        """The problem of it, see `stated`."""
+        """Return the problem for a value, see `stated`."""
         return self.stated(value).problem
 
 
 def read_varied(source: Source, text: str, field: Path | str) -> Varied:
-    """The number and the range that a text such as ``arch.thickness=5 cm:20 cm`` says.
+    """Return the number and the range of a text such as ``arch.thickness=5 cm:20 cm``.
 
     Args:
-        source: the file that has the number. Of its name as errors write it, the end is enough that
-            no other number has.
-        text: with units of their own, one for both ends at the second, or none: then they are in
-            those of SI, angles in degrees.
-        field: that says it: of the file, or of the command line.
+        source: the file that has the number. The end of its name in errors is sufficient if it is
+            unique.
+        text: with a unit for each end, one for both after the second, or none: then the range is in
+            SI, with angles in degrees.
+        field: origin of the text: a key of the file, or of the command line.
 
     Raises:
-        InputError: no such number, no range, units that do not fit, an end that the file cannot
-            have.
+        InputError: no such number, no range, units that do not fit, or an invalid end.
     """
     match = _RANGE.fullmatch(text)
     if match is None:
@@ -94,7 +93,7 @@ def read_varied(source: Source, text: str, field: Path | str) -> Varied:
 
 
 def _found(source: Source, name: str, text: str, field: Path | str) -> Path:
-    """The one number of a file whose name ends so."""
+    """Return the only number of a file whose name has this end."""
     known = {written(path): path for path in _numbers(source.data, ())}
     if name in known:
         return known[name]
@@ -105,7 +104,7 @@ def _found(source: Source, name: str, text: str, field: Path | str) -> Path:
         fix = f"write more of its name: {', '.join(sorted(ends)[:6])}"
         raise _error(source, field, text, f"{len(ends)} numbers of the file have this name", fix)
     fix = suggest(name, known)
-    if not fix.endswith("?"):  # it may be an end that is meant
+    if not fix.endswith("?"):  # The end of the name may be meant.
         parts = {own[place:]: own for own in known for place in _ends(own)}
         close = suggest(name, parts)
         fix = close if close.endswith("?") else f"it has {', '.join(sorted(known)[:12])}"
@@ -118,7 +117,7 @@ def _ends(name: str) -> Iterator[int]:
 
 
 def _numbers(own: Any, path: Path) -> Iterator[Path]:
-    """What of a file looks like a number, with or without a unit."""
+    """Yield the paths of values that look like numbers, with or without a unit."""
     if isinstance(own, dict):
         for key, part in own.items():
             if path or key not in ("solve", "title"):
@@ -127,17 +126,17 @@ def _numbers(own: Any, path: Path) -> Iterator[Path]:
         for place, part in enumerate(own):
             yield from _numbers(part, (*path, place))
     elif isinstance(own, str):
-        if _AMOUNT.fullmatch(own) and not own.strip().isdigit():  # that is a name, of a block
+        if _AMOUNT.fullmatch(own) and not own.strip().isdigit():  # name of a block
             yield path
     elif isinstance(own, int | float) and not isinstance(own, bool):
         yield path
 
 
 def _read(source: Source, path: Path, text: str) -> tuple[float, str]:
-    """What an end of a range is there, and the unit of SI that it is in.
+    """Return an end of a range as the value in the file, and its SI unit.
 
     Raises:
-        InputError: the file cannot have it there.
+        InputError: the value is invalid there.
     """
     given: object = float(text) if _NUMBER.fullmatch(text) else text
     other = _with(source, path, given)

@@ -1,4 +1,4 @@
-"""`write_problem`: a problem as a TOML file that states the same one."""
+"""`write_problem`: write a problem as an equivalent TOML file."""
 
 from __future__ import annotations
 
@@ -38,20 +38,21 @@ _WIDTH = 90
 
 @typed()
 def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") -> None:
-    """Write a problem as TOML, in SI units: `read_problem` gives the same one.
+    """Write a problem as TOML in SI units, such that `read_problem` returns an equivalent one.
 
-    Meshes that came of a problem file are written as they were given there, others beside the file
-    as ``NAME-1.npz``, ... Walls, arches and drawings are written as polygons.
+    Meshes from a problem file are written as given there, others in files next to it,
+    ``NAME-1.npz``, ... Walls, arches and drawings are written as polygons.
 
     Args:
-        problem: whose boundaries are names, or places by numbers: `lacore.Within`, `lacore.Along`,
-            `lacore.Beyond`.
-        path: of the file, ending in .toml.
-        title: of the page that shows its answer.
+        problem: problem whose boundaries are names, or places by numbers: `lacore.Within`,
+            `lacore.Along`, `lacore.Beyond`.
+        path: path of the file, ending in .toml.
+        title: title of the page of its results.
 
     Raises:
-        InputError: what no file can state: functions of places, laws of hardening, criteria and
-            obstacles of your own, bodies in space; a file that cannot be written.
+        InputError: a feature that files do not support: functions of places, laws of hardening,
+            user-defined criteria and obstacles, three-dimensional bodies; or a file that cannot be
+            written.
 
     Example:
         >>> la.write_problem(la.examples.column(friction=0.3), "column.toml")
@@ -92,7 +93,7 @@ def _with_fields(name: str, things: Any) -> tuple[Any, list[str]]:
 
 @singledispatch
 def _stated(body: Any, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
-    """The table of a body; a mesh that it needs a file for is added to `meshes`."""
+    """Return the table of a body; a mesh that needs a file is added to `meshes`."""
     return statements.other(body, field)
 
 
@@ -126,7 +127,7 @@ def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
 
 
 def toml(document: Mapping[str, Any]) -> str:
-    """A document of tables, lists, texts and numbers as TOML."""
+    """Return a document of tables, lists, texts and numbers as TOML."""
     made = tomlkit.document()
     for name, own in document.items():
         made.add(name, _item(own))
@@ -146,7 +147,7 @@ def _item(value: Any) -> Item:
 
 
 def _table(value: Mapping[str, Any]) -> Item:
-    """What is short first: a key after a sub-table would belong to that."""
+    """Return a table with short values first, as keys after a sub-table would belong to it."""
     table, after = tomlkit.table(), {}
     for name, own in value.items():
         line = _inline(own)
@@ -174,9 +175,9 @@ def _inline(value: Any) -> Any:
 
 
 def _recipe(mesh: Any, folder: Path) -> Table | None:
-    """``mesh``, ``boundaries``, ``regions`` of a mesh that came of a problem file as it is now.
+    """Return ``mesh``, ``boundaries``, ``regions`` of an unchanged mesh from a problem file.
 
-    None of others: what was changed since is not what the file said.
+    The result is None for others, including meshes that were changed.
     """
     call = origin(mesh)
     if call is None or not _same(made(call), mesh):
@@ -211,7 +212,7 @@ def _plain(value: Any) -> Any:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Whether two meshes are one, with their names."""
+    """Return whether two meshes are equal, including their names."""
     if type(one) is not type(other):
         return False
     arrays = np.array_equal(one.doflocs, other.doflocs) and np.array_equal(one.t, other.t)

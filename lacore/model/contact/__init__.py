@@ -1,4 +1,4 @@
-"""Where bodies touch, as rows of the program."""
+"""Contact of bodies as rows of the program."""
 
 import lazy_loader
 

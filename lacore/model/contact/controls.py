@@ -1,7 +1,7 @@
-"""Bernstein control values of the velocity jump on segments of interfaces: where they stand (T28).
+"""Bernstein control values of the velocity jump on segments of interfaces, and their places (T28).
 
-On a segment of an isoparametric edge the jump is quadratic in the parameter of the edge, and so
-are its control values; each has the normal of the curve there.
+On a segment of an isoparametric edge the jump is quadratic in the parameter of the edge, and so are
+its control values; each has the normal of the curve there.
 """
 
 from collections.abc import Sequence
@@ -42,16 +42,16 @@ class SegmentCurves:
     last: Floats
 
     def parameter(self, share: float) -> Floats:
-        """Of the curves, at a share of the segments, shape (k,)."""
+        """Return the parameter of the curves at a share of the segments, shape (k,)."""
         return self.first + share * (self.last - self.first)
 
     def at(self, share: float) -> Floats:
-        """Places at a share of the segments, shape (2, k)."""
+        """Return the places at a share of the segments, shape (2, k)."""
         return self.curves.at(self.parameter(share))
 
 
 def segment_curves(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> SegmentCurves:
-    """Segments as parts of the edges of the first side that is isoparametric, else straight."""
+    """Return segments as parts of the edges of the first isoparametric side, else straight."""
     start, end = segments.start, segments.end
     for dofs, parts in sides:
         if dofs.bent:
@@ -62,11 +62,13 @@ def segment_curves(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> Se
 
 
 def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Controls]:
-    """At start and end, of quadratic jumps in the middle too; a node of a frame is one.
+    """Return the controls at start and end, for quadratic jumps also in the middle.
+
+    A node of a frame has one control.
 
     Args:
-        segments: k of them.
-        sides: slave and master, and which parts of them; an obstacle is no side.
+        segments: k segments.
+        sides: unknowns and parts of slave and master; an obstacle is not included.
     """
     degrees = [dofs.degree for dofs, _ in sides]
     if min(degrees) == 0:
@@ -91,12 +93,12 @@ def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Con
 
 
 def _integrals(along: SegmentCurves, sides: Sequence[tuple[Dofs, Ints]], quadratic: bool) -> Floats:
-    """Of the Bernstein functions of start, end and middle over segments, shape (2 or 3, k)."""
+    """Return the integrals of Bernstein functions of start, end and middle, (2 or 3, k)."""
     weights = np.zeros((2 + quadratic, along.first.size))
     for s, share in zip(_PLACES, _WEIGHTS, strict=True):
         functions = [(1 - s) ** 2, s**2, 2 * s * (1 - s)] if quadratic else [1 - s, s]
         tangent = along.curves.tangent(along.parameter(s)) * (along.last - along.first)
-        # Both sides are as thick: axisymmetric bodies touch no others.
+        # Both sides have the same thickness, as axisymmetric bodies touch no others.
         length = np.linalg.norm(tangent, axis=0) * sides[0][0].thickness(along.at(s))
         weights += share * np.outer(functions, length)
     return weights

@@ -1,4 +1,4 @@
-"""Where bodies of tetrahedra touch obstacles: whole faces, no unknowns."""
+"""Contact of tetrahedra with obstacles on whole faces, without unknowns."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity, text
 
-_FACING = 1e-9  # of unit normals: their round-off
+_FACING = 1e-9  # round-off of unit normals
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,15 +32,15 @@ class Faces(Compact):
 
     @property
     def edges(self) -> tuple[Ints, Ints]:
-        """Of slave and master, as `Interface.sides`: an obstacle has -1."""
+        """Edges of slave and master, as `Interface.sides`: an obstacle has -1."""
         return self.slave, np.full(self.slave.size, -1)
 
 
 def obstacle_faces(interface: Interface, bodies: Mapping[str, Body], field: str) -> Faces:
-    """The faces of an interface with an obstacle.
+    """Return the faces of an interface with an obstacle.
 
     Raises:
-        InputError: an interface of two bodies, faces that are not on the plane of the obstacle.
+        InputError: an interface of two bodies, or faces that are not on the plane of the obstacle.
     """
     (name, where), *second = interface.sides
     if second:

@@ -22,19 +22,20 @@ from lacore.reporting.text import join, text
 class Interface(Compact):
     """Contact between a boundary and a rigid obstacle, or between the boundaries of two bodies.
 
-    Which of two bodies is called slave changes no result, only the signs of `LimitState.reactions`.
+    The choice of the slave has no effect on results, except for the signs of
+    `LimitState.reactions`.
 
     Attributes:
-        slave: ``(body name, where)``, see `lacore.types.Where`; it ends where facets do.
+        slave: ``(body name, where)``, see `lacore.types.Where`; it ends at vertices of facets.
         master: a `RigidObstacle`, or ``(body name, where)`` of another body. The two boundaries
             touch along straight parts; their meshes need not match. Along a path it may be another
             part of the same body, see `lacore.sequential`.
         friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`,
-            `BOND`. STICK forbids slip wherever the body is, also where it lifts off, but opens
-            freely, without any tension: the limit mu -> infinity of associated friction, not of
+            `BOND`. STICK forbids slip at any opening, also after lift-off, but opens freely,
+            without tension: the limit mu -> infinity of associated friction, not of
             Coulomb friction. No body carries more shear than its strength: see
-            `lacore.assembly.sticking` for corners. BOND transfers tension, too, all that the weaker
-            side can carry, and makes rigid bodies one: see `lacore.assembly.bonds`.
+            `lacore.assembly.sticking` for corners. BOND also transfers tension, up to the strength
+            of the weaker side, and joins rigid bodies: see `lacore.assembly.bonds`.
 
     Raises:
         InputError: a negative or NaN friction, a master of another kind.
@@ -64,17 +65,17 @@ class Interface(Compact):
 
     @property
     def obstacle(self) -> RigidObstacle | None:
-        """The master, where that is no body."""
+        """The master if it is an obstacle."""
         return self.master if isinstance(self.master, RigidObstacle) else None
 
     @property
     def face(self) -> Shape | None:
-        """What the obstacle looks like; None of a body, and of one that follows the boundary."""
+        """Shape of the obstacle; None for a body, or if it follows the boundary."""
         return None if self.obstacle is None else self.obstacle.face
 
     @property
     def sides(self) -> tuple[tuple[str, Where], ...]:
-        """The boundaries of bodies: the slave, and the master where that is one."""
+        """Boundaries of bodies: the slave, and the master if it is a body."""
         return (self.slave, self.master) if _is_boundary(self.master) else (self.slave,)
 
     @property
@@ -89,7 +90,7 @@ class Interface(Compact):
 
     @property
     def bonded(self) -> bool:
-        """Whether nothing opens nor slips there, up to the strength of the weaker side."""
+        """Whether it neither opens nor slips, up to the strength of the weaker side."""
         return isinstance(self.law, Bonded)
 
     @property

@@ -12,7 +12,8 @@ from lacore.reporting.showing import Compact
 from lacore.reporting.terms import BOND
 from lacore.reporting.text import Quantity, text
 
-_UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
+# factor of the shear strength: control values may exceed it, but not by this factor
+_UNATTAINABLE = 100.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -28,13 +29,19 @@ class Laws(Compact):
     tension: Floats
 
     def at(self, points: Ints) -> "Laws":
-        """Those of some segments or points, by numbers."""
+        """Return the laws of some segments or points, by numbers."""
         own = (self.coefficient, self.limit, self.dilatancy, self.tension)
         return Laws(*(values[points] for values in own))
 
 
 def laws_of(interface: Interface, strength: float, count: int) -> Laws:
-    """Those of an interface at `count` places, between bodies that carry a shear `strength`, Pa."""
+    """Return the laws of an interface at `count` places.
+
+    Args:
+        interface: the interface.
+        strength: shear strength of its bodies, Pa.
+        count: number of places.
+    """
     law, most = interface.law.terms(), _UNATTAINABLE * strength
     if law.tension > most:
         raise InputError(
@@ -52,7 +59,7 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
                 BOND,
             ),
         )
-    # Stick, where it is far beyond any shear stress that the bodies can carry.
+    # A limit far beyond the shear strength of the bodies is sticking.
     sticks = law.limit > most
     terms = (
         0.0 if sticks else law.coefficient,

@@ -1,4 +1,4 @@
-"""Rigid obstacles: what they look like, and which part of a body may come to one."""
+"""Rigid obstacles: their shapes, and the parts of bodies that may touch them."""
 
 from __future__ import annotations
 
@@ -14,36 +14,37 @@ from lacore.reporting.errors import InputError, is_vector, require_place, requir
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Term, text
 
-_NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
+# by the size of the body: closer to an obstacle, solvers cannot distinguish it from contact
+_NEAR = 1e-6
 
 
 @runtime_checkable
 class Shape(Protocol):
-    """What an obstacle looks like. One of your own has these; contact and pictures ask no more.
+    """Shape of an obstacle. User-defined shapes need these members.
 
-    Contact holds at control values (`lacore.paths.contact.approach`): of a plane all along an edge,
-    of a curved face as far as its distance is linear within a step.
+    Contact is enforced at control values (`lacore.paths.contact.approach`): everywhere along an
+    edge for a plane, and for a curved face as far as its distance is linear within a step.
     """
 
     def distance(self, places: Floats) -> Floats:
-        """Of places of shape (2, n) from its face, m, shape (n,); negative behind it."""
+        """Return the distance of places (2, n) from its face, m, (n,); negative behind it."""
         ...
 
     def normal(self, places: Floats) -> Floats:
-        """Unit normals towards the bodies, at the points of its face nearest to places, (2, n)."""
+        """Return unit normals towards the bodies, at the closest points of its face, (2, n)."""
         ...
 
     def outline(self, low: Floats, high: Floats) -> Floats:
-        """Its face across the box between two corners, as a line through points (2, k), k >= 2."""
+        """Return its face across the box between two corners, as polyline (2, k), k >= 2."""
         ...
 
 
 @dataclass(frozen=True, repr=False)
 class Plane(Compact):
-    """A plane; in two dimensions a line.
+    """Plane, or a line in two dimensions.
 
     Attributes:
-        point: on it, m.
+        point: point on it, m.
         direction: its unit normal, towards the bodies.
     """
 
@@ -57,20 +58,20 @@ class Plane(Compact):
 
     @classmethod
     def through(cls, point: Floats, normal: Floats) -> Plane:
-        """By a point and a normal of any length, shape (d,) each."""
+        """Return the plane through a point with a normal of any length, shape (d,) each."""
         unit = normal / np.linalg.norm(normal)
         return cls(tuple(map(float, point)), tuple(map(float, unit)))
 
     def distance(self, places: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the distance, see `Shape`."""
         return np.asarray(np.array(self.direction) @ (places - np.reshape(self.point, (-1, 1))))
 
     def normal(self, places: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the normals, see `Shape`."""
         return np.repeat(np.reshape(self.direction, (-1, 1)), places.shape[1], axis=1)
 
     def outline(self, low: Floats, high: Floats) -> Floats:
-        """See `Shape`; as long as the box is wide, to either side."""
+        """Return the face, see `Shape`; as long as the box is wide, to either side."""
         normal, middle = np.array(self.direction), (low + high) / 2
         foot = middle - normal * (normal @ (middle - self.point))
         along = float(np.linalg.norm(high - low)) * np.array([-normal[1], normal[0]])
@@ -79,16 +80,16 @@ class Plane(Compact):
 
 @dataclass(frozen=True, repr=False)
 class RigidObstacle(Compact):
-    """A rigid obstacle at rest.
+    """Rigid obstacle at rest.
 
     Attributes:
         point, normal: a plane through `point` whose `normal` points out of the obstacle, towards
-            the body; in space of three numbers each. Without them the obstacle has the shape of
-            the boundary that touches it.
-        shape: of any other face, in place of a plane.
+            the body; with two or three numbers each. Without them the obstacle has the shape of the
+            boundary that touches it.
+        shape: shape of any other face, instead of a plane.
 
     Raises:
-        InputError: a point without a normal, no vectors, a plane and another shape.
+        InputError: a point without a normal, invalid vectors, or a plane and another shape.
 
     Example:
         >>> floor = la.RigidObstacle(point=(0, 0), normal=(0, 1))
@@ -136,7 +137,7 @@ class RigidObstacle(Compact):
 
     @property
     def face(self) -> Shape | None:
-        """What it looks like; None: as the boundary that touches it."""
+        """Shape; None if it follows the boundary that touches it."""
         if self.point is None or self.normal is None:
             return self.shape
         return Plane.through(np.array(self.point), np.array(self.normal))
@@ -144,17 +145,17 @@ class RigidObstacle(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Obstacle(Compact):
-    """A rigid face, at rest or carried by a tool, and the part of a body that may come to it.
+    """Rigid face, at rest or moved by a tool, and the part of a body that may touch it.
 
     Attributes:
-        name: of the interface.
-        body: name.
+        name: name of the interface.
+        body: name of the body.
         where: name of the part of its boundary.
-        facets: of its mesh.
-        shape: what it looks like.
-        law: friction.
-        size: of the body, m.
-        carrier: name of the tool that carries it; None of a face at rest.
+        facets: facets of its mesh.
+        shape: shape of the face.
+        law: friction law.
+        size: size of the body, m.
+        carrier: name of the tool that moves it; None for a face at rest.
     """
 
     name: str
@@ -173,5 +174,5 @@ class Obstacle(Compact):
 
     @property
     def near(self) -> float:
-        """Distance up to which a point that came there counts as touching, m."""
+        """Distance up to which a point that has moved there counts as touching, m."""
         return _NEAR * self.size

@@ -1,7 +1,7 @@
-"""Where blocks in space touch an obstacle or each other: plane polygons, no unknowns (T71).
+"""Contact patches of three-dimensional blocks: plane polygons, without unknowns (T71).
 
-No tension crosses a patch, so that pressures on it have the same resultants as those at the corners
-of its convex hull: these are its contact points, each with the same share of its area.
+No tension crosses a patch, so pressures on it have the same resultants as those at the corners of
+its convex hull: these are its contact points, each with the same share of its area.
 """
 
 from collections.abc import Mapping
@@ -25,15 +25,15 @@ from lacore.reporting.text import Quantity, text
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Patches(Compact):
-    """Where faces of blocks touch each other, or an obstacle.
+    """Contact patches of faces of blocks with each other, or with an obstacle.
 
     Attributes:
-        slave, master: numbers of faces, (k,); an obstacle has the face -1, joints within an
-            assembly know blocks only and have -1 on both sides.
+        slave, master: numbers of faces, (k,); an obstacle has the face -1; joints within an
+            assembly only have blocks, and -1 on both sides.
         normal: unit vectors from the master into the slave, (3, k).
         point: contact points, (3, m), m.
         patch: number of the patch of each point, (m,).
-        weight: area that each stands for, (m,), m^2.
+        weight: area of each point, (m,), m^2.
     """
 
     slave: Ints
@@ -50,7 +50,7 @@ class Patches(Compact):
 
 
 def of_joints(joints: Joints3D) -> Patches:
-    """The patches of joints within an assembly, which knows blocks and no faces of bodies."""
+    """Return the patches of joints within an assembly, which have blocks but no faces of bodies."""
     nothing = np.full(joints.count, -1)
     return Patches(nothing, nothing, joints.normal, joints.points, joints.joint, joints.weight)
 
@@ -58,7 +58,7 @@ def of_joints(joints: Joints3D) -> Patches:
 def interface_patches(
     interface: Interface, bodies: Mapping[str, BlockAssembly3D], field: str
 ) -> Patches:
-    """The patches of an interface in space.
+    """Return the patches of a three-dimensional interface.
 
     Raises:
         InputError: the two sides do not touch.
@@ -83,7 +83,7 @@ def interface_patches(
 
 
 def _whole(body: BlockAssembly3D, faces: Ints) -> Patches:
-    """Whole faces against an obstacle: the convex hull of each."""
+    """Return whole faces against an obstacle: the convex hull of each."""
     own = body.faces
     normal = own.normal[:, faces]
     one, two = axes_of(normal)
@@ -96,7 +96,7 @@ def _whole(body: BlockAssembly3D, faces: Ints) -> Patches:
 
 
 def _shared(slave: BlockAssembly3D, faces: Ints, master: BlockAssembly3D, facing: Ints) -> Patches:
-    """What faces of two assemblies share: the joints of their blocks as of one assembly."""
+    """Return the shared areas of faces of two assemblies, as joints of one assembly."""
     sides = ((master, facing), (slave, faces))
     blocks = [np.unique(body.blocks_of(own)) for body, own in sides]
     polyhedra = {
@@ -125,12 +125,12 @@ def _shared(slave: BlockAssembly3D, faces: Ints, master: BlockAssembly3D, facing
 
 
 def _numbers(body: BlockAssembly3D, blocks: Ints, faces: Ints) -> Ints:
-    """Numbers among all faces of an assembly, from those in their blocks."""
+    """Return the numbers among all faces of an assembly, from those in their blocks."""
     return np.asarray(np.searchsorted(body.faces.block, blocks) + faces)
 
 
 def _check_obstacle(body: BlockAssembly3D, faces: Ints, interface: Interface, field: str) -> None:
-    """Faces lie on the plane of their obstacle, and it on their outer side."""
+    """Check that faces lie on the plane of their obstacle, which is on their outer side."""
     plane = interface.face
     if plane is None:
         return

@@ -7,15 +7,15 @@ import numpy as np
 from lacore.numerics.arrays import Bools, Floats
 from lacore.reporting.showing import Compact
 
-_SAME = 1e-9  # of the coordinates: closer to a corner, a point has no direction from it
+_SAME = 1e-9  # by the coordinates: closer to a corner, a point has no direction from it
 
 
 @dataclass(frozen=True, repr=False)
 class Lines(Compact):
-    """k straight pieces, the solid on their left.
+    """k straight pieces with the solid on their left.
 
     Attributes:
-        origin, along: a point, m, and the unit direction of each, shape (2, k).
+        origin, along: point, m, and unit direction of each, shape (2, k).
         low, high: distances from the origin at which each begins and ends, m, may be infinite.
     """
 
@@ -32,11 +32,11 @@ class Lines(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Arcs(Compact):
-    """k arcs.
+    """k circular arcs.
 
     Attributes:
-        centre: shape (2, k), m.
-        radius: m, shape (k,).
+        centre: centres, shape (2, k), m.
+        radius: radii, m, shape (k,).
         start, sweep: angle at which each begins, and by which it turns, rad: anticlockwise around
             a solid, clockwise around a hollow, shape (k,).
     """
@@ -49,11 +49,11 @@ class Arcs(Compact):
 
 @dataclass(frozen=True, repr=False)
 class InnerCorner(Compact):
-    """Where two lines meet that both keep a point out of the solid.
+    """Corner of two lines that both keep a point out of the solid.
 
     Attributes:
         place: m, shape (2,).
-        normals: of the two lines, out of the solid, shape (2, 2), one in each row.
+        normals: normals of the two lines, out of the solid, shape (2, 2), one in each row.
         reach: length of the shorter line, m.
     """
 
@@ -70,7 +70,7 @@ class InnerCorner(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Profile(Compact):
-    """The face of a solid, made of lines and arcs.
+    """Face of a solid, made of lines and arcs.
 
     Attributes:
         lines, arcs: its pieces.
@@ -86,7 +86,10 @@ class Profile(Compact):
     convex: Bools
 
     def distance_and_normal(self, points: Floats) -> tuple[Floats, Floats]:
-        """Signed distances, m, shape (n,), negative inside, and unit normals, shape (2, n)."""
+        """Return the signed distances, m, shape (n,), negative inside, and unit normals.
+
+        The shape is (2, n).
+        """
         place, normal = self._nearest(points)
         away = points - place
         distance = np.sum(away * normal, axis=0)
@@ -108,7 +111,7 @@ class Profile(Compact):
         return np.asarray(distance), np.asarray(normal)
 
     def _nearest(self, points: Floats) -> tuple[Floats, Floats]:
-        """Closest places on all pieces, and the normals of the pieces there, shape (2, n)."""
+        """Return the closest places on all pieces, and their normals there, shape (2, n)."""
         found = [own for own in (self._on_lines(points), self._on_arcs(points)) if own[0].size]
         places, normals = (np.concatenate(part, axis=2) for part in zip(*found, strict=True))
         away = np.linalg.norm(points[:, :, None] - places, axis=0)
@@ -127,19 +130,19 @@ class Profile(Compact):
         away = points[:, :, None] - own.centre[:, None]
         turn = np.sign(own.sweep)
         angle = turn * (np.arctan2(away[1], away[0]) - own.start) % (2 * np.pi)
-        # Beyond an arc, the nearer one of its ends may be the other: the line there has it.
+        # Beyond an arc, the other end may be closer: the adjacent line covers it.
         angle = own.start + turn * np.minimum(angle, np.abs(own.sweep))
         ray = np.stack([np.cos(angle), np.sin(angle)])
         return own.centre[:, None] + own.radius * ray, turn * ray
 
 
 def no_arcs() -> Arcs:
-    """None."""
+    """Return an empty set of arcs."""
     return Arcs(np.zeros((2, 0)), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 def corner(before: Floats, after: Floats) -> tuple[Floats, Bools]:
-    """Bisectors (2, c) of corners between directions (2, c), and whether these are convex."""
+    """Return the bisectors (2, c) of corners between directions (2, c), and which are convex."""
     mean = np.stack([before[1] + after[1], -before[0] - after[0]])
     convex = before[0] * after[1] - before[1] * after[0] > 0
     return mean / np.linalg.norm(mean, axis=0), convex

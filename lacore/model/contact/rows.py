@@ -1,13 +1,13 @@
 """Contact points: rows of normal and tangential velocity on the segments of interfaces (T28).
 
-They stand at the Bernstein control values of the velocity jump on each segment, so that
-``u_n >= 0`` holds along all of it and frozen friction dissipation is over-estimated: for a
-quadratic jump the ends and ``2 u_mid - (u_start + u_end)/2``, weights L/3 each; for the linear
-jump between rigid blocks the ends, weights L/2; a node of a frame is one point of weight 1 m, so
-that its tractions are forces. Polygons between blocks in space have them at their corners, weights
-A over the number of these (T71); faces of tetrahedra at three corners or six control values, A/3 or
-A/6 each (T93). Two bodies meet on the common refinement of their
-edges, so that neither side is preferred. Control values that two segments share are one point.
+They are at the Bernstein control values of the velocity jump on each segment, so that ``u_n >= 0``
+holds along all of it and frozen friction dissipation is over-estimated: for a quadratic jump the
+ends and ``2 u_mid - (u_start + u_end)/2``, with weights L/3 each; for the linear jump between rigid
+blocks the ends, with weights L/2. A node of a frame is one point of weight 1 m, so that its
+tractions are forces. Polygons between three-dimensional blocks have points at their corners, with
+weights of A divided by their number (T71); faces of tetrahedra at three corners or six control
+values, A/3 or A/6 each (T93). Two bodies meet on the common refinement of their edges, so that
+neither side is preferred. Control values that two segments share are one point.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,9 +36,9 @@ from lacore.numerics.interleaving import interleaved
 from lacore.program.kinematic import ContactRows
 from lacore.reporting.showing import Compact
 
-_SAME_NORMAL = 9  # digits to which the normals of two edges count as one
-_SAME_PLACE = 1e-9  # of the extent of the contact
-_ROUND_OFF = 1e-13  # of an entry of order one
+_SAME_NORMAL = 9  # digits to which the normals of two edges are compared
+_SAME_PLACE = 1e-9  # by the extent of the contact
+_ROUND_OFF = 1e-13  # by an entry of order one
 
 
 @dataclass(frozen=True, repr=False)
@@ -47,13 +47,13 @@ class ContactPoints(Compact):
 
     Attributes:
         position, normal: shape (m, d); `normal` from the master into the slave.
-        moving: what moves continuously there of the slave and of the master, see
+        moving: numbers of the continuously moving parts of the slave and of the master, see
             `BodyDofs.moving`; an obstacle is -1, shape (m, 2).
-        names: of the interfaces and joints that `ContactRows.interface` counts.
-        gap: along a path, distances from the obstacle where the step begins, m, shape (m,); None:
-            all touch.
-        obstacles: those of a path, the first of `names`; elsewhere none.
-        met: along a path the slave of each of `names`, and its master where that is a body.
+        names: names of the interfaces and joints, numbered by `ContactRows.interface`.
+        gap: along a path, distances from the obstacle at the beginning of the step, m, shape (m,);
+            None: all touch.
+        obstacles: obstacles of a path, the first of `names`; else empty.
+        met: along a path, the slave of each of `names`, and its master if that is a body.
     """
 
     position: Floats
@@ -65,7 +65,7 @@ class ContactPoints(Compact):
     met: tuple[tuple[str, ...], ...] = ()
 
     def kept(self, mask: Bools | Ints) -> "ContactPoints":
-        """Those of a mask of shape (m,), or of numbers, in their order."""
+        """Return the points of a mask of shape (m,), or of numbers, in their order."""
         arrays = (self.position[mask], self.normal[mask], self.moving[mask])
         gap = None if self.gap is None else self.gap[mask]
         return ContactPoints(*arrays, self.names, gap, self.obstacles, self.met)
@@ -78,7 +78,7 @@ class Station(Compact):
     Attributes:
         position, normal, moving: see `ContactPoints`.
         weights, interface: see `ContactRows`.
-        laws: friction.
+        laws: friction laws.
         axes: rows of the velocity of the slave against the master along x, y (and z), each of
             shape (m, n).
     """
@@ -100,15 +100,15 @@ def contact_rows(
     n: int,
     dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
-    """Contact rows of all interfaces and joints for n unknowns, and where they stand.
+    """Return the contact rows of all interfaces and joints for n unknowns, and their points.
 
     Args:
-        interfaces: of a problem, with the friction that counts.
-        segments: of each, see `Problem.segments`.
-        bodies: unknowns of all.
-        jointed: of those bodies that have joints of their own.
-        n: unknowns.
-        dimension: of the problem.
+        interfaces: interfaces of a problem, with their effective friction.
+        segments: segments of each, see `Problem.segments`.
+        bodies: unknowns of all bodies.
+        jointed: unknowns of the bodies with joints.
+        n: number of unknowns.
+        dimension: dimension of the problem.
     """
     stations = [
         interface_station(interface, own, index, bodies, n)
@@ -125,7 +125,7 @@ def joined(
     n: int,
     dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
-    """Rows of the stations of interfaces and, numbered after them, of all joints of blocks."""
+    """Return the rows of the stations of interfaces and, numbered after them, of all joints."""
     stations, names = _with_joints(stations, interfaces, jointed, n)
     none = np.zeros((0, dimension))
     normal = np.concatenate([none, *(part.normal for part in stations)])
@@ -182,13 +182,14 @@ def _along(direction: Floats, axes: Sequence[Sparse]) -> Sparse:
 
 
 def tangents(normal: Floats) -> tuple[Floats, ...]:
-    """Unit vectors across normals of shape (m, d), (m, d) each: one in the plane, two in space.
+    """Return unit vectors orthogonal to normals (m, d), (m, d) each: one in the plane, else two.
 
-    In the plane the normal turned by +90 degrees; in space one that is normal to an axis, too.
+    In the plane it is the normal rotated by +90 degrees; in three dimensions one of them is also
+    normal to an axis.
     """
     if normal.shape[1] == 2:
         return (np.stack([-normal[:, 1], normal[:, 0]], axis=1),)
-    axis = np.eye(3)[np.argmin(np.abs(normal), axis=1)]  # of those the one that is least along it
+    axis = np.eye(3)[np.argmin(np.abs(normal), axis=1)]  # the axis that is least along the normal
     first = np.cross(axis, normal)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     return first, np.cross(normal, first)
@@ -224,13 +225,13 @@ def _stations(
     sides: Sequence[tuple[Dofs, Ints]],
     n: int,
 ) -> Station:
-    """Contact points on what touches.
+    """Return the contact points on segments or patches.
 
     Args:
         segments: k segments, or patches.
-        interface, laws: of each.
-        sides: slave and master, and which part of them each touches.
-        n: unknowns.
+        interface, laws: interface and law of each.
+        sides: unknowns and parts of slave and master.
+        n: number of unknowns.
     """
     raise TypeError(f"nothing touches along {type(segments).__name__}")
 
@@ -257,7 +258,7 @@ def _at_points(
     n: int,
     crushed: Sequence[Sparse] = (),
 ) -> Station:
-    """As `_stations`; with what crushing adds to the jumps along x, y, z, (m, n) each."""
+    """Return `_stations`, with the contribution of crushing to the jumps, (m, n) for each axis."""
     own = patches.patch
     stands = [Controls(patches.point, patches.normal[:, own], patches.weight)]
     corners = [(dofs, parts[own]) for dofs, parts in sides]
@@ -270,7 +271,7 @@ def _on_faces(
 ) -> Station:
     (dofs, _) = sides[0]
     assert isinstance(dofs, BodyDofs)
-    nodes = dofs.facet_nodes(faces.slave)  # (copies, faces): vertices, then middles of edges
+    nodes = dofs.facet_nodes(faces.slave)  # shape (copies, faces): vertices, then middles of edges
     copies = len(nodes)
     owner = np.repeat(np.arange(faces.slave.size), copies)
     area, _ = face_geometry(dofs.body.mesh, faces.slave)
@@ -290,9 +291,9 @@ def _standing(
     n: int,
     crushed: Sequence[Sparse] = (),
 ) -> Station:
-    """Control values of the jump; sides: slave and master, and which parts of them."""
+    """Return the control values of the jump; sides: unknowns and parts of slave and master."""
     values = jump_rows(stands, sides, n)
-    if crushed:  # of single points, which blocks in space have
+    if crushed:  # single points of three-dimensional blocks
         values = [[csr_matrix(a + b) for a, b in zip(values[0], crushed, strict=True)]]
     count, copies = interface.size, len(stands)
     kind = np.arange(count) if crushed else np.repeat(np.arange(copies) // 2, count)
@@ -315,16 +316,17 @@ def _merged(
     laws: Laws,
     axes: Sequence[Sparse],
 ) -> Station:
-    """One point of control values that several segments or faces share.
+    """Return one point for control values that several segments or faces share.
 
     Args:
-        stand: control values, k of them.
-        owner: the segment or face of each, shape (k,).
-        kind: values of two kinds are never one, shape (k,).
-        moving, interface, laws: of segments or faces.
+        stand: k control values.
+        owner: segment or face of each, shape (k,).
+        kind: values of different kinds are never merged, shape (k,).
+        moving, interface, laws: values of segments or faces.
         axes: rows of the control values of u_x, u_y (and u_z), (k, n) each.
     """
-    size = float(np.ptp(stand.place, axis=1).max(initial=0.0)) or 1.0  # any, for a single place
+    # any size will do for a single place
+    size = float(np.ptp(stand.place, axis=1).max(initial=0.0)) or 1.0
     key = np.column_stack(
         [
             interface[owner],
@@ -350,7 +352,10 @@ def _merged(
 def jump_rows(
     stands: Sequence[Controls], sides: Sequence[tuple[Dofs, Ints]], n: int
 ) -> list[Sequence[Sparse]]:
-    """Rows of u_x, u_y, ... of the slave against the master, of each of `controls`, (k, n) each."""
+    """Return rows of u_x, u_y, ... of the slave against the master, of each of `controls`.
+
+    The shape is (k, n) each.
+    """
 
     def jump(points: Floats) -> Sequence[Sparse]:
         own, *others = (dofs.velocity_rows(parts, points, n) for dofs, parts in sides)
@@ -365,7 +370,7 @@ def jump_rows(
 
 
 def moving_sides(sides: Sequence[tuple[Dofs, Ints]], count: int) -> Ints:
-    """What moves continuously on both sides of segments, shape (count, 2); an obstacle is -1."""
+    """Return the continuously moving parts on both sides of segments, (count, 2); obstacles: -1."""
     moving = np.full((count, 2), -1, dtype=np.int64)
     for column, (dofs, parts) in enumerate(sides):
         moving[:, column] = dofs.moving(parts)

@@ -1,4 +1,4 @@
-"""Where the two sides of an interface touch: geometry only, no unknowns."""
+"""Segments along which the two sides of an interface touch: geometry without unknowns."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -39,12 +39,12 @@ class Segments(Compact):
 
     @property
     def edges(self) -> tuple[Ints, Ints]:
-        """Of slave and master, as `Interface.sides`."""
+        """Edges of slave and master, as `Interface.sides`."""
         return self.slave, self.master
 
 
 def of_joints(joints: Joints) -> Segments:
-    """The segments of joints within an assembly, which knows blocks and no edges of bodies."""
+    """Return the segments of joints within an assembly, which have blocks but no edges."""
     nothing = np.full(joints.count, -1)
     return Segments(nothing, nothing, joints.start, joints.end, joints.normal)
 
@@ -52,11 +52,11 @@ def of_joints(joints: Joints) -> Segments:
 def interface_segments(
     interface: Interface, bodies: Mapping[str, PlaneBody], field: str
 ) -> Segments:
-    """The segments of an interface; those at nodes of a frame are points.
+    """Return the segments of an interface; those at nodes of a frame are points.
 
     Raises:
-        InputError: the two sides do not touch, touch up to a small gap, or somewhere with a corner
-            only; a node at a corner, or against an obstacle without a normal.
+        InputError: the two sides do not touch, touch up to a small gap, or somewhere only with a
+            corner; a node at a corner, or against an obstacle without a normal.
     """
     (name, where), *second = interface.sides
     slave = bodies[name]
@@ -127,7 +127,7 @@ def _check_curves(
     interface: Interface,
     field: str,
 ) -> None:
-    """Edges whose chords touch touch all along, also in the middle."""
+    """Check that edges whose chords touch also touch in the middle."""
     middle = (segments.start + segments.end) / 2
     places = []
     for body, edges in ((slave, segments.slave), (master, segments.master)):
@@ -180,7 +180,7 @@ def _check_obstacle(
 
 
 def _obstacle_normals(interface: Interface, places: Floats, field: str) -> Floats:
-    """Unit normals of the obstacle that nodes touch, shape (2, k)."""
+    """Return the unit normals of the obstacle at nodes, shape (2, k)."""
     face = interface.face
     if face is None:
         raise InputError(
@@ -195,10 +195,10 @@ def _obstacle_normals(interface: Interface, places: Floats, field: str) -> Float
 def _faces(
     nodes: Floats, faces: Edges, allowed: float, interface: Interface, field: str
 ) -> tuple[Ints, Floats]:
-    """The face that each node, (2, k), lies on: numbers (k,) and outward normals (2, k)."""
+    """Return the face that each node, (2, k), lies on: numbers (k,) and outward normals (2, k)."""
     along = faces.end - faces.start
     length = np.linalg.norm(along, axis=0)
-    away = nodes[:, :, None] - faces.start[:, None, :]  # (2, nodes, faces)
+    away = nodes[:, :, None] - faces.start[:, None, :]  # shape (2, nodes, faces)
     share = np.clip(np.sum(away * along[:, None, :], axis=0) / length**2, 0.0, 1.0)
     gap = np.linalg.norm(away - share * along[:, None, :], axis=0)
     face = np.argmin(gap, axis=1)

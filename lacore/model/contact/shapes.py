@@ -31,8 +31,8 @@ from lacore.reporting.text import Quantity, Term, text
 
 __all__ = ["Disc", "Outline", "Wedge", "disc", "outline", "plane", "read_outline", "wedge"]
 
-_FINE = np.radians(5.0)  # of an arc, as it is drawn
-_FITS = 1e-12  # of an edge: round-off of what roundings take of it
+_FINE = np.radians(5.0)  # step of a drawn arc
+_FITS = 1e-12  # by an edge: round-off of roundings
 
 Point = tuple[float, float]
 
@@ -59,16 +59,16 @@ class Disc(Compact):
         return self.centre
 
     def distance(self, places: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the distance, see `Shape`."""
         return np.asarray(np.linalg.norm(self._away(places), axis=0) - self.radius)
 
     def normal(self, places: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the normals, see `Shape`."""
         away = self._away(places)
         return np.asarray(away / np.linalg.norm(away, axis=0))
 
     def outline(self, low: Floats, high: Floats) -> Floats:
-        """See `Shape`: all of it."""
+        """Return the whole outline, see `Shape`."""
         return self._at(np.arange(0, 2 * np.pi + _FINE / 2, _FINE))
 
     def _away(self, places: Floats) -> Floats:
@@ -89,25 +89,25 @@ class _Profiled(Compact):
 
     @property
     def corners(self) -> Floats:
-        """Sharp convex corners, m, shape (2, c), which may stand on an edge of a body."""
+        """Sharp convex corners, m, shape (2, c), which may rest on an edge of a body."""
         return self.profile.corners[:, self.profile.convex]
 
     def distance(self, places: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the distance, see `Shape`."""
         return self.profile.distance_and_normal(places)[0]
 
     def normal(self, places: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the normals, see `Shape`."""
         return self.profile.distance_and_normal(places)[1]
 
 
 @dataclass(frozen=True, repr=False)
 class Wedge(_Profiled):
-    """A wedge without end.
+    """Unbounded wedge.
 
     Attributes:
         tip: m.
-        half_angle: between its axis and a face, degrees.
+        half_angle: angle between its axis and a face, degrees.
         axis: direction from the tip into the wedge, of length 1.
 
     Example:
@@ -127,7 +127,7 @@ class Wedge(_Profiled):
 
     @cached_property
     def profile(self) -> Profile:
-        """Two faces: one comes to the tip, the other leaves it, the solid on their left."""
+        """Its two faces to and from the tip, with the solid on their left."""
         tip = np.repeat(np.reshape(self.tip, (2, 1)), 2, axis=1)
         first, second = self._faces
         along = np.stack([-first, second], axis=1)
@@ -137,7 +137,7 @@ class Wedge(_Profiled):
         return Profile(lines, no_arcs(), tip[:, :1], bisector, convex)
 
     def outline(self, low: Floats, high: Floats) -> Floats:
-        """See `Shape`."""
+        """Return the outline, see `Shape`."""
         tip = np.array(self.tip)
         far = float(np.linalg.norm(high - low) + np.linalg.norm((low + high) / 2 - tip))
         first, second = self._faces
@@ -157,7 +157,7 @@ class Outline(_Profiled):
 
     Attributes:
         points: its corners before they are rounded, anticlockwise, m.
-        radii: of the corners, m; 0 where one is sharp.
+        radii: radii of the corners, m; 0 for a sharp one.
 
     Example:
         >>> la.shapes.Outline(((0, 0), (2, 0), (2, 1), (0, 1)), radii=(0, 0, 0, 0)).reference
@@ -192,7 +192,7 @@ class Outline(_Profiled):
 
     @property
     def inner(self) -> list[InnerCorner]:
-        """Sharp corners that the solid surrounds, such as that of a container and its die."""
+        """Sharp reentrant corners of the solid, such as that of a container and its die."""
         before, after = self._directions
         lines = self.profile.lines
         length = lines.high - lines.low
@@ -207,7 +207,7 @@ class Outline(_Profiled):
         ]
 
     def outline(self, low: Floats, high: Floats) -> Floats:
-        """See `Shape`: all of it."""
+        """Return the whole outline, see `Shape`."""
         arcs = self.profile.arcs
         drawn, number = [], 0
         for point, radius in zip(self.points, self.radii, strict=True):
@@ -223,7 +223,7 @@ class Outline(_Profiled):
 
     @property
     def _directions(self) -> tuple[Floats, Floats]:
-        """Of the edges before and after each corner, shape (2, k) each."""
+        """Directions of the edges before and after each corner, shape (2, k) each."""
         own = np.array(self.points).T
         after = np.roll(own, -1, axis=1) - own
         after = after / np.linalg.norm(after, axis=0)
@@ -283,7 +283,7 @@ def wedge(tip: Point, half_angle: float, axis: Point = (0, 1)) -> Wedge:
 
 
 def outline(points: Sequence[Point], rounding: float | Sequence[float] = 0.0) -> Outline:
-    """Return a polygon, its corners sharp or rounded.
+    """Return a polygon with sharp or rounded corners.
 
     Args:
         points: corners, clockwise or anticlockwise, m.
@@ -330,14 +330,14 @@ def read_outline(
     sagitta: float | None = None,
     rounding: float | Sequence[float] = 0.0,
 ) -> Outline:
-    """Return the polygon that a drawing shows, as `lacore.masonry.read` reads it.
+    """Return the polygon in a drawing, read as by `lacore.masonry.read`.
 
     Args:
-        path: of a .dxf or .geojson file with one closed outline, or lines that enclose one area.
-        layer: of the outline; None: the only layer of the drawing.
-        unit: of the drawing: "m", "dm", "cm", "mm", "km", "in", "ft" or "yd", whatever the file
-            says; None: the unit that a DXF file says.
-        sagitta: m: curves become chords that are off them by this much; None: they are rejected.
+        path: path of a .dxf or .geojson file with one closed outline, or lines around one area.
+        layer: layer of the outline; None: the only layer of the drawing.
+        unit: "m", "dm", "cm", "mm", "km", "in", "ft" or "yd", in place of the file's; None: that of
+            a DXF file.
+        sagitta: m: largest distance of chords from curves; None: curves are rejected.
         rounding: see `outline`.
 
     Raises:
@@ -351,14 +351,14 @@ def read_outline(
         >>> la.shapes.read_outline("punch.geojson", unit="mm").reference
         (0.25, 0.125)
     """
-    # Here, because it reads many formats.
+    # imported here, because it imports many readers
     from lacore.model.bodies.blocks.drawings.reading import read_outline
 
     return outline(read_outline(path, layer, unit, sagitta).tolist(), rounding)
 
 
 def _require_fitting(own: Outline) -> None:
-    """Raise `InputError` where roundings take more of an edge than there is."""
+    """Raise `InputError` if roundings take more of an edge than its length."""
     lines = own.profile.lines
     short = lines.high - lines.low < -_FITS * np.abs(lines.high)
     if short.any():
@@ -378,13 +378,13 @@ def _require_fitting(own: Outline) -> None:
 
 
 def _turn(before: Floats, after: Floats) -> Floats:
-    """Angles by which the outline turns at its corners, rad, shape (k,)."""
+    """Return the angles by which the outline turns at its corners, rad, shape (k,)."""
     across = before[0] * after[1] - before[1] * after[0]
     return np.asarray(np.arctan2(across, np.sum(before * after, axis=0)))
 
 
 def _taken(before: Floats, after: Floats, radius: Floats) -> Floats:
-    """Length that roundings take of each edge at a corner, m, shape (k,)."""
+    """Return the length that roundings take of each edge at a corner, m, shape (k,)."""
     return np.asarray(radius * np.tan(np.abs(_turn(before, after)) / 2))
 
 

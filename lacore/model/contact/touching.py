@@ -1,4 +1,4 @@
-"""What touches along an interface or in joints: segments in the plane, else patches or faces."""
+"""Contact along an interface or in joints: segments in the plane, else patches or faces."""
 
 from collections.abc import Mapping
 from functools import singledispatch
@@ -16,10 +16,10 @@ Touching = segments.Segments | patches.Patches | faces.Faces
 
 
 def where_touching(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Touching:
-    """Where the sides of an interface touch.
+    """Return where the sides of an interface touch.
 
     Raises:
-        InputError: nowhere, or not as contact can be.
+        InputError: they do not touch, or not in a supported way.
     """
     deforming = {n: body for n, body in of_kind(bodies, Body).items() if body.dimension == 3}
     if deforming:
@@ -31,14 +31,14 @@ def where_touching(interface: Interface, bodies: Mapping[str, AnyBody], field: s
 
 
 def in_plane(touching: Touching) -> segments.Segments:
-    """What touches in a problem of the plane."""
+    """Return the contact of a plane problem."""
     assert isinstance(touching, segments.Segments)
     return touching
 
 
 @singledispatch
 def of_joints(joints: JointPairs) -> Touching:
-    """Where the blocks of an assembly touch each other."""
+    """Return where the blocks of an assembly touch each other."""
     raise TypeError(f"no joints: {type(joints).__name__}")
 
 

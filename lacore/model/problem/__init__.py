@@ -1,4 +1,4 @@
-"""What the user says, checked."""
+"""The problem of the user, checked."""
 
 import lazy_loader
 

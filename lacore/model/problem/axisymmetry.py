@@ -1,4 +1,4 @@
-"""What bodies of revolution cannot have (T27): x is the radius r >= 0, y the axis z."""
+"""Restrictions on axisymmetric bodies (T27): x is the radius r >= 0, y the axis z."""
 
 from collections.abc import Mapping, Sequence
 from functools import singledispatch
@@ -17,7 +17,7 @@ from lacore.reporting import terms
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
-_ROUND_OFF = 1e-12  # of a direction of length 1
+_ROUND_OFF = 1e-12  # by a direction of length 1
 
 
 def check_axisymmetry(
@@ -26,16 +26,16 @@ def check_axisymmetry(
     supports: Sequence[Fix],
     interfaces: Sequence[Interface],
 ) -> None:
-    """Refuse what has no meaning where a body is axisymmetric; nothing where none is.
+    """Reject anything without a meaning for an axisymmetric body; do nothing without one.
 
     Args:
-        bodies: of a problem.
-        loads: by the field that they were given in.
-        supports, interfaces: of the problem.
+        bodies: bodies of a problem.
+        loads: loads by field.
+        supports, interfaces: supports and interfaces of the problem.
 
     Raises:
-        InputError: bodies of other kinematics beside it, a footing or a force on the axis that
-            moves across it, loads, supports of u_z and interfaces along the axis.
+        InputError: bodies of other kinematics next to it, a footing or a force on the axis that
+            moves across it, loads, supports of u_z or interfaces along the axis.
     """
     continua = of_kind(bodies, Body)
     round_ones = {name: body for name, body in continua.items() if body.axisymmetric}
@@ -67,7 +67,7 @@ def check_axisymmetry(
 
 @singledispatch
 def _check_load(load: Load, field: str, body: Body) -> None:
-    """Refuse a load that has no meaning on a body of revolution; on its volume all have."""
+    """Reject a load without a meaning on an axisymmetric body; all body forces have one."""
 
 
 @_check_load.register(SurfaceLoad)

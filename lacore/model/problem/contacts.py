@@ -1,4 +1,4 @@
-"""Whether the interfaces of a problem can be: each place once, and each body somewhere."""
+"""Checks of the interfaces of a problem: each place once, and each body connected."""
 
 from typing import TYPE_CHECKING
 
@@ -14,16 +14,16 @@ from lacore.reporting.text import text
 if TYPE_CHECKING:
     from lacore.model.problem.problem import Problem
 
-_SAME_NORMAL = 9  # digits to which the normals of two faces count as one
+_SAME_NORMAL = 9  # digits to which the normals of two faces are compared
 _Place = tuple[str, int, tuple[float, float]]  # body, edge, and for a node the normal of its face
 
 
 def check_contacts(problem: "Problem") -> None:
-    """Refuse contact that cannot be.
+    """Reject invalid contact.
 
     Raises:
-        InputError: interfaces that do not touch or share a place, bodies that touch nothing, blocks
-            that touch nothing or with corners only.
+        InputError: interfaces that do not touch or share a place, bodies without contact, or blocks
+            with none, or with corners only.
     """
     touched: dict[str, list[Touched]] = {name: [] for name in problem.bodies}
     for index, interface in enumerate(problem.interfaces):
@@ -43,7 +43,7 @@ def check_contacts(problem: "Problem") -> None:
 
 
 def _check_bonds(problem: "Problem") -> None:
-    """What is bonded is so along edges."""
+    """Reject bonds that are not along edges."""
     for index, interface in enumerate(problem.interfaces):
         if not interface.bonded:
             continue
@@ -58,7 +58,7 @@ def _check_bonds(problem: "Problem") -> None:
 
 
 def _check_sharing(problem: "Problem") -> None:
-    """No two interfaces on one place: an edge may meet several bodies, each of them once."""
+    """Reject two interfaces at one place: an edge may meet several bodies, each of them once."""
     taken: dict[_Place, dict[_Place, int]] = {}
     for index, (interface, segments) in enumerate(
         zip(problem.interfaces, problem.touching, strict=True)
@@ -68,7 +68,7 @@ def _check_sharing(problem: "Problem") -> None:
         for one, other in zip(ends[0], ends[-1], strict=True):
             for edge, facing in {one: other, other: one}.items():
                 known = taken.setdefault(edge, {})
-                whole = edge == facing  # against an obstacle, that is
+                whole = edge == facing  # that is, against an obstacle
                 clash = [k for f, k in known.items() if whole or f in (edge, facing)]
                 if clash and clash[0] != index:
                     raise InputError(
@@ -81,7 +81,7 @@ def _check_sharing(problem: "Problem") -> None:
 
 
 def _places(problem: "Problem", name: str, edges: Ints, normal: Floats) -> list[_Place]:
-    """Keys of edges; a node of a frame may stand in a corner, against two faces."""
+    """Return the keys of edges; a node of a frame may be in a corner, against two faces."""
     if not problem.bodies[name].pointwise:
         return [(name, int(edge), (0.0, 0.0)) for edge in edges]
     turned = (np.round(normal.T, _SAME_NORMAL) + 0.0).tolist()
@@ -89,7 +89,7 @@ def _places(problem: "Problem", name: str, edges: Ints, normal: Floats) -> list[
 
 
 def _check_joined(problem: "Problem") -> None:
-    """Each of several bodies has an interface or a support."""
+    """Reject one of several bodies without an interface or a support."""
     held = {support.body for support in problem.supports} | set(problem.met)
     held |= {name for interface in problem.interfaces for name, _ in interface.sides}
     held |= {footing.body for footing in footings(problem.loads.values())}

@@ -1,4 +1,4 @@
-"""Whether all of a problem is of one space: of the plane, or of three dimensions."""
+"""Check that a problem is plane or three-dimensional throughout."""
 
 from collections.abc import Mapping, Sequence
 from functools import singledispatch
@@ -17,7 +17,7 @@ _AXES = {2: "(x, y)", 3: "(x, y, z)"}
 
 
 class Spatial(Protocol):
-    """What knows of how many dimensions it is."""
+    """Object with a known dimension."""
 
     @property
     def dimension(self) -> int:
@@ -31,10 +31,10 @@ class Spatial(Protocol):
 
 
 def dimension_of(bodies: Mapping[str, Spatial]) -> int:
-    """Of how many dimensions all bodies are.
+    """Return the dimension of all bodies.
 
     Raises:
-        InputError: bodies of the plane beside bodies in space.
+        InputError: plane bodies next to three-dimensional ones.
     """
     own = {name: body.dimension for name, body in bodies.items()}
     plane, solid = ([name for name, dim in own.items() if dim == wanted] for wanted in (2, 3))
@@ -68,7 +68,7 @@ def check_load_dimension(load: Load, field: str, dimension: int) -> None:
 
 
 def check_support_dimension(support: Fix, field: str, dimension: int) -> None:
-    """Raise `InputError` where a support holds what bodies of a dimension have not."""
+    """Raise `InputError` if a support holds components that bodies of a dimension do not have."""
     if support.components in COMPONENTS[dimension]:
         return
     if dimension == 3 and support.components == "xy":
@@ -105,7 +105,7 @@ def _require(field: str, given: Sequence[object], dimension: int) -> None:
 
 @singledispatch
 def _vectors(load: Load) -> Mapping[str, Sequence[object]]:
-    """Vectors and places of a load, by field: none of most."""
+    """Return the vectors and places of a load, by field; empty for most loads."""
     return {}
 
 

@@ -1,4 +1,4 @@
-"""Small problems, which the examples in docstrings solve: ``la.examples``."""
+"""Small problems for the examples in docstrings: ``la.examples``."""
 
 from __future__ import annotations
 
@@ -18,10 +18,12 @@ __all__ = ["beam", "column", "footing"]
 
 
 def footing(strength: float = 1.0) -> Problem:
-    """Half of a rough rigid footing 2 m wide on soil in plane strain: exact ``(2 + pi) strength``.
+    """Return half of a rough rigid footing 2 m wide on soil in plane strain.
+
+    The exact load factor is ``(2 + pi) strength``.
 
     Args:
-        strength: in shear, Pa; the load is the mean pressure of the footing, Pa.
+        strength: shear strength, Pa; the load is the mean pressure of the footing, Pa.
 
     Example:
         >>> round(la.solve(la.examples.footing()).load_factor, 2)  # from above, on a coarse mesh
@@ -36,10 +38,10 @@ def footing(strength: float = 1.0) -> Problem:
 
 
 def column(friction: float | Friction = 0.3, width: float = 1.0) -> Problem:
-    """A block 2 m high, pushed by a part of its weight: slides at mu, or tips at width/2.
+    """Return a block 2 m high, pushed by a part of its weight: slides at mu, or tips at width/2.
 
     Args:
-        friction: of its joint.
+        friction: friction of its joint.
         width: m.
 
     Example:
@@ -56,10 +58,10 @@ def column(friction: float | Friction = 0.3, width: float = 1.0) -> Problem:
 
 
 def beam(place: float = 2.0, moment: float = 1.0) -> Problem:
-    """A beam 4 m long, clamped at both ends, and 1 N on it; at its middle exact ``8 M/L``.
+    """Return a beam 4 m long, fixed at both ends, under 1 N; for a central load exact ``8 M/L``.
 
     Args:
-        place: of the force, m from the left end.
+        place: place of the force, m from the left end.
         moment: plastic moment, N m.
 
     Example:

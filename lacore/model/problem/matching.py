@@ -1,4 +1,4 @@
-"""Bodies on meshes that match where they touch: the same vertices on both sides."""
+"""Bodies on meshes with the same vertices on both sides of their contact."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting.errors import InputError, typed
 
-_ROUNDS = 3  # a vertex that is added lies on an edge of the other side: the second has none to add
+# An added vertex lies on an edge of the other side, so the second pass adds none there.
+_ROUNDS = 3
 
 
 @typed()
 def matching(problem: Problem) -> Problem:
-    """The problem on meshes that have the same vertices wherever two bodies touch.
+    """Return the problem on meshes with the same vertices wherever two bodies touch.
 
-    Elements with vertices of the other side on an edge are divided there, so that all stays what it
-    was: the domains, the names, the laws. Where meshes match already it is the problem itself.
+    Elements with vertices of the other side on an edge are divided there, which keeps the domains,
+    the names and the laws. If the meshes already match, the same problem is returned.
 
     Raises:
-        InputError: a body with such an edge that is not of straight triangles.
+        InputError: a body with such an edge does not consist of straight triangles.
 
     Example:
         >>> lower = la.meshes.rectangle(x=(0, 2), y=(-1, 0), nx=3, ny=1)
@@ -62,7 +63,7 @@ def matching(problem: Problem) -> Problem:
 
 
 def _on_finer(problem: Problem, finer: Mapping[str, Body]) -> Problem:
-    """The problem with bodies on other meshes, and the same loads there."""
+    """Return the problem with bodies on other meshes, and the same loads there."""
     coarse = of_kind(problem.bodies, Body)
 
     def held(load: Load) -> Load:
@@ -77,7 +78,7 @@ def _on_finer(problem: Problem, finer: Mapping[str, Body]) -> Problem:
 
 
 def glued(problem: Problem, bonded: bool) -> list[Glued]:
-    """Vertices that two bodies share where they touch, or only where they are bonded."""
+    """Return the vertices that two bodies share where they touch, or only where they are bonded."""
     found = []
     for interface, segments in _pairs(problem):
         if bonded and not interface.bonded:
@@ -91,7 +92,7 @@ def glued(problem: Problem, bonded: bool) -> list[Glued]:
 
 
 def _pairs(problem: Problem) -> Iterator[tuple[Interface, Segments]]:
-    """Interfaces of two continua."""
+    """Yield the interfaces of two continua."""
     continua = of_kind(problem.bodies, Body)
     for interface, touching in zip(problem.interfaces, problem.touching, strict=True):
         names = [name for name, _ in interface.sides]
@@ -102,7 +103,7 @@ def _pairs(problem: Problem) -> Iterator[tuple[Interface, Segments]]:
 def _ends(
     problem: Problem, interface: Interface, segments: Segments
 ) -> tuple[Bools, Bools, list[Ints]]:
-    """Which segments are an edge of both sides, which run against each other, and the vertices."""
+    """Return which segments are an edge of both sides, which are reversed, and the vertices."""
     bodies = [of_kind(problem.bodies, Body)[name] for name, _ in interface.sides]
     near = max(body.allowed for body in bodies)
     vertices = [
@@ -117,14 +118,17 @@ def _ends(
 
 
 def _hanging(problem: Problem, name: str) -> tuple[Ints, Floats]:
-    """Edges of a body inside which a segment ends, once each place: (k,), and where, (2, k)."""
+    """Return the edges of a body inside which a segment ends, (k,), and the places, (2, k).
+
+    Each place is included once.
+    """
     edges, places = [np.zeros(0, dtype=np.int64)], [np.zeros((2, 0))]
     body = of_kind(problem.bodies, Body)[name]
     for interface, segments in _pairs(problem):
         for (own, _), touched in zip(interface.sides, segments.edges, strict=True):
             if own != name:
                 continue
-            ends = body.mesh.p[:, body.mesh.facets[:, touched]]  # (2, ends, segments)
+            ends = body.mesh.p[:, body.mesh.facets[:, touched]]  # shape (2, ends, segments)
             for place in (segments.start, segments.end):
                 away = np.linalg.norm(ends - place[:, None], axis=0).min(axis=0)
                 inside = away > body.allowed

@@ -1,4 +1,7 @@
-"""What the user says: bodies, supports, interfaces, loads. Immutable, and checked when built."""
+"""The problem of the user: bodies, supports, interfaces, loads.
+
+Immutable, and checked when built.
+"""
 
 from __future__ import annotations
 
@@ -35,18 +38,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Problem(Shown):
-    """A limit analysis problem: find the load factor alpha of ``alpha F0 + Fd`` at collapse (T5).
+    """Limit analysis problem: find the load factor alpha of ``alpha F0 + Fd`` at collapse (T5).
 
     Attributes:
         bodies: named bodies; frames with a node wherever a `PointForce` acts on a member.
-        reference_loads: the loads that the load factor multiplies (F0); none of a problem that is
-            only for `lacore.sequential` with tools, which drive it.
+        reference_loads: the loads that the load factor multiplies (F0); empty for
+            `lacore.sequential` with tools, which drive the problem.
         supports: fixed boundaries.
         interfaces: contact with friction.
         dead_loads: permanent loads (Fd).
 
     Raises:
-        InputError: anything that cannot be right: see the messages.
+        InputError: any invalid input: see the messages.
 
     Example:
         >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
@@ -81,17 +84,17 @@ class Problem(Shown):
         reference_loads: Sequence[Load] | None = None,
         dead_loads: Sequence[Load] | None = None,
     ) -> Problem:
-        """The same structure under other loads; those that are not given stay.
+        """Return the same structure under other loads; loads that are not given are kept.
 
         Raises:
-            InputError: loads that cannot be.
+            InputError: invalid loads.
         """
         live = self.reference_loads if reference_loads is None else reference_loads
         dead = self.dead_loads if dead_loads is None else dead_loads
         return replace(self, reference_loads=live, dead_loads=dead)
 
     def plot(self) -> Figure:
-        """Sketch of the problem: see `lacore.pictures.sketch.problem.plot_problem`."""
+        """Plot a sketch of the problem: see `lacore.pictures.sketch.problem.plot_problem`."""
         return views.picture(self)
 
     @property
@@ -101,7 +104,7 @@ class Problem(Shown):
         return sizes([*loads, *(body.contents for body in self.bodies.values())])
 
     def facts(self) -> Facts:
-        """What it consists of."""
+        """Return the contents, for printing."""
         parts = {
             "bodies": [f"{name}: {own.contents}" for name, own in self.bodies.items()],
             "supports": [own.told for own in self.supports],
@@ -117,7 +120,7 @@ class Problem(Shown):
         return Facts(", ".join(counts), told, "Problem")
 
     def picture(self) -> Picture:
-        """As `plot` draws it."""
+        """Return the figure of `plot`."""
         return Picture(self.plot())
 
     def __post_init__(self) -> None:
@@ -200,12 +203,12 @@ class Problem(Shown):
 
     @property
     def dimension(self) -> int:
-        """2 of the plane, 3 in space."""
+        """2 or 3."""
         return dimension_of(self.bodies)
 
     @cached_property
     def touching(self) -> tuple[Touching, ...]:
-        """Where the two sides of each interface touch."""
+        """Contact of the two sides of each interface."""
         return tuple(
             where_touching(interface, self.bodies, f"Problem.interfaces[{index}]")
             for index, interface in enumerate(self.interfaces)
@@ -213,22 +216,22 @@ class Problem(Shown):
 
     @property
     def met(self) -> Mapping[str, Ints]:
-        """Edges by body that other bodies may meet, in contact that is stated elsewhere: none."""
+        """Edges by body that other bodies may meet, in contact defined elsewhere: none."""
         return {}
 
     @property
     def driven(self) -> Mapping[str, Floats]:
-        """Motions of rigid blocks that move as one, u_x, u_y, turn by body, (3,): none."""
+        """Common motions of driven rigid blocks by body, (u_x, u_y, rotation): none."""
         return {}
 
     @property
     def segments(self) -> tuple[Segments, ...]:
-        """As `touching`, of a problem of the plane."""
+        """As `touching`, for a plane problem."""
         return tuple(map(in_plane, self.touching))
 
     @property
     def bonds(self) -> tuple[tuple[int, Interface, Segments], ...]:
-        """Bonded interfaces, their numbers, and where they touch: there are none in space."""
+        """Bonded interfaces, their numbers, and their segments; none in three dimensions."""
         return tuple(
             (index, interface, in_plane(self.touching[index]))
             for index, interface in enumerate(self.interfaces)
@@ -245,7 +248,7 @@ class Problem(Shown):
         }
 
     def _split_frames(self) -> None:
-        """Put a node wherever a point force acts on a member: it may hinge there."""
+        """Add a node wherever a point force acts on a member: it may hinge there."""
         bodies = dict(self.bodies)
         for load in (*self.reference_loads, *self.dead_loads):
             if load.point is not None and load.body in bodies:
@@ -284,7 +287,7 @@ def _check_bodies(bodies: Any) -> None:
 
 @contextmanager
 def _located(where: str) -> Iterator[None]:
-    """Say of an error of ``BodyForce.where`` in which entry of the problem it is."""
+    """Add the entry of the problem to an error of ``BodyForce.where``."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Types that signatures speak of, for annotations of your own: ``la.types``."""
+"""Types of signatures, for user annotations: ``la.types``."""
 
 from lacore.model.bodies.any_body import AnyBody
 from lacore.model.bodies.blocks.drawings.joints import LayerFriction

@@ -1,4 +1,4 @@
-"""Water in the pores of a body where it touches obstacles: it presses in the contact, too (T64)."""
+"""Pore water of bodies at obstacles: it also presses in the contact (T64)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 
 
 def acting(problem: "Problem", loads: Sequence[Load]) -> list[Load]:
-    """Loads of a problem, and the water between wet bodies and the obstacles that they touch.
+    """Return the loads of a problem, and the water between wet bodies and the obstacles they touch.
 
-    It presses them back, so that what an interface carries is the pressure of the skeleton.
+    The water presses the bodies back, so that an interface carries the pressure of the skeleton.
     """
     return [*loads, *(more for load in loads for more in _between(load, problem))]
 
 
 @singledispatch
 def _between(load: Load, problem: "Problem") -> list[StandingWater]:
-    """The water that a load has in contacts: none, of what is no water."""
+    """Return the water of a load in contacts; none for other loads."""
     return []
 
 
@@ -58,13 +58,13 @@ class _AtVertices:
 
 
 def check_wet(loads: Mapping[str, Load], interfaces: Sequence[Interface]) -> None:
-    """Refuse pore pressure in bodies that touch other bodies with a friction that feels pressure.
+    """Reject pore pressure in bodies that touch other bodies with pressure-dependent friction.
 
-    It would have to follow what the skeleton presses. Others carry the total stress.
+    The friction would depend on the pressure of the skeleton. Other laws carry the total stress.
 
     Args:
-        loads: by the field that they were given in.
-        interfaces: of the problem.
+        loads: loads by field.
+        interfaces: interfaces of the problem.
 
     Raises:
         InputError: such a load; it names its field and the interface.
@@ -80,7 +80,7 @@ def check_wet(loads: Mapping[str, Load], interfaces: Sequence[Interface]) -> Non
 
 @singledispatch
 def _refuse(load: Load, field: str, interface: Interface) -> None:
-    """Raise `InputError` where a load on a body does not go with an interface of two bodies."""
+    """Raise `InputError` if a load on a body is incompatible with an interface of two bodies."""
 
 
 @_refuse.register(PorePressure)

@@ -1,1 +1,1 @@
-"""What a problem file may say: one class an entry, with units and where each lands in lacore."""
+"""Schema of problem files: one class per entry, with units and the corresponding call."""

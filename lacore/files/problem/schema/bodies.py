@@ -26,13 +26,13 @@ from lacore.files.problem.schema.values import (
     refused,
 )
 
-_MOST = 20_000  # blocks of a wall
+_MOST = 20_000  # number of blocks of a wall
 _Few = Annotated[int, Whole(most=_MOST)]
 _From0 = Annotated[int, Whole(0)]
 
 
 class Continuum(Entry):
-    """A deformable body of a mesh and a material."""
+    """Deformable body with a mesh and a material."""
 
     maker: ClassVar[str] = "la.Body"
     tag: ClassVar[str] = "kind"
@@ -51,7 +51,7 @@ class Continuum(Entry):
     """Names for parts of the mesh, for a material each."""
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = self.arguments(at)
         mesh, criterion = given.pop("mesh"), given.pop("material")
         named = {"boundaries": given.pop("boundaries", None), "regions": given.pop("regions", None)}
@@ -65,7 +65,7 @@ class Continuum(Entry):
 
 
 class JointFriction(Entry):
-    """Friction of the joint between two blocks, or two layers, where it is another one."""
+    """Different friction of the joint between two blocks, or two layers."""
 
     between: tuple[str, str]
     friction: Friction
@@ -74,7 +74,7 @@ class JointFriction(Entry):
 def _with_joints(
     given: dict[str, Any], joints: tuple[JointFriction, ...], at: Path
 ) -> dict[str, Any]:
-    """Arguments, with the laws of joints by pairs."""
+    """Return the arguments with the laws of joints by pairs."""
     if given.pop("joints", None):
         given["joint_friction"] = {
             one.between: node(one.friction, (*at, "joints", place, "friction"))
@@ -89,18 +89,18 @@ class _Blocks(Entry):
     joints: tuple[JointFriction, ...] = ()
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = _with_joints(self.arguments(at), self.joints, at)
         return Call(self.maker, given, at, {"joint_friction": (*at, "joints")})
 
 
 class Layer(Entry):
-    """What the blocks of a layer of a drawing are made of."""
+    """Material of the blocks of a layer of a drawing."""
 
     maker: ClassVar[str] = "la.masonry.Layer"
     friction: Friction
     density: MassDensity
-    """0 of what is held anyway."""
+    """0 for blocks that are held."""
 
 
 class Drawing(Entry):
@@ -111,20 +111,20 @@ class Drawing(Entry):
     kind: Literal["drawing"]
     file: NamedFile
     layers: dict[str, Layer]
-    """Of the drawing by name; others are ignored."""
+    """Layers of the drawing by name; others are ignored."""
     unit: DrawingUnit | None = None
-    """Of the drawing, whatever it says."""
+    """Unit of the drawing, instead of that in the file."""
     snap: Length | None = None
     """Vertices nearer than this are one; 1e-5 of the size of the drawing if left out."""
     sagitta: Length | None = None
-    """Chords may be off curves by this; curves are refused if left out."""
+    """Largest distance of chords from curves; by default curves are rejected."""
     openings: tuple[str, ...] = ()
     """Layers of the outlines of windows and doors."""
     joints: tuple[JointFriction, ...] = ()
     """Between two layers; the weaker one of both if left out."""
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = _with_joints(self.arguments(at), self.joints, at)
         arguments = {"path": File(given.pop("file")), **given}
         places = {"path": (*at, "file"), "joint_friction": (*at, "joints")}
@@ -132,7 +132,7 @@ class Drawing(Entry):
 
 
 class Block(Entry):
-    """One rigid block, called "block"."""
+    """One rigid block, named "block"."""
 
     maker: ClassVar[str] = "la.RigidBlock"
     tag: ClassVar[str] = "kind"
@@ -140,7 +140,7 @@ class Block(Entry):
     outline: tuple[Point, ...]
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         outline = {"vertices": list(self.outline)}
         place = (*at, "outline")
         return Call(self.maker, outline, place, dict.fromkeys(("vertices", "blocks"), place))
@@ -166,7 +166,7 @@ class Opening(Entry):
 
 
 class Wall(_Blocks):
-    """A wall in running bond on a base, its lower left corner at the origin."""
+    """A wall in running bond on a base, with its lower left corner at the origin."""
 
     maker: ClassVar[str] = "la.masonry.running_bond"
     kind: Literal["wall"]
@@ -177,7 +177,7 @@ class Wall(_Blocks):
     """The lowest course: full, or halves at both ends."""
     openings: tuple[Opening, ...] = ()
     rows: tuple[tuple[Number, ...], ...] | None = None
-    """In place of wide and courses: widths, openings below 0."""
+    """Alternative to wide and courses: widths, negative for openings."""
     block: Point | None = None
     """Width and height of a block."""
     base: StrictBool | None = None
@@ -195,7 +195,7 @@ class Wall(_Blocks):
         return self
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         made = super().call(at)
         given = dict(made.arguments)
         bond = {
@@ -230,7 +230,7 @@ class Arch(_Blocks):
     """Angle at the centre; 180 degrees if left out."""
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         if self.embrace is not None:
             given["embrace"] = float(f"{radians(self.embrace):.16g}")
@@ -254,13 +254,13 @@ class Frame(Entry):
     ) = None
     """M_p of all members without a section, or of each by its name."""
     sections: dict[str, Section] | None = None
-    """Of members by name: axial force and moment interact."""
+    """Sections of members by name, with interaction of axial force and moment."""
     releases: tuple[tuple[str, str], ...] = ()
     """[member, node] without moment."""
     tolerance: Length | None = None
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         if self.sections:
             named = {

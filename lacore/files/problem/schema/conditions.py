@@ -32,7 +32,7 @@ class Support(Entry):
     """x, y, xy (if left out), normal, tangential; of nodes of frames rotation, clamped."""
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         return given | {"where": of_body(given["where"], self.body, at)}
 
@@ -44,12 +44,12 @@ class Side(Entry):
     where: Where
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its value, see `Entry.call`."""
         return self.body, of_body(node(self.where, (*at, "where")), self.body, at)
 
 
 class Plane(Entry):
-    """A rigid plane: a point of it, and its normal towards the body."""
+    """A rigid plane: a point on it, and its normal towards the body."""
 
     maker: ClassVar[str] = "la.RigidObstacle"
     point: Point
@@ -77,7 +77,7 @@ class Interface(Entry):
     friction: Friction
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         if self.master == "obstacle":
             given["master"] = Call("la.RigidObstacle", {}, (*at, "master"))
@@ -92,11 +92,11 @@ class _Load(Entry):
 
     @property
     def several(self) -> str:
-        """What the loads are called that it becomes, where these are several."""
+        """Name of the loads that it becomes, if there are several."""
         return ""
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         given.pop("case", None)
         if "where" in given:
@@ -128,11 +128,11 @@ class Weight(_Load):
     maker: ClassVar[str] = "la.BodyForce"
     load: Literal["weight"]
     unit_weight: Density | None = None
-    """Of a drawing it may be left out: its layers have densities."""
+    """May be left out for a drawing whose layers have densities."""
     where: Blocks | None = None
     """Blocks or regions; all if left out."""
     direction: tuple[Number, Number] | None = None
-    """Of unit length; [0, -1] if left out, [1, 0] is an acceleration of 1 g against x."""
+    """Of unit length; [0, -1] by default, [1, 0] is an acceleration of 1 g against x."""
 
     @property
     def several(self) -> str:
@@ -151,7 +151,7 @@ class Weight(_Load):
         return self
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = self.arguments(at)
         if self.unit_weight is None:
             why = f"missing: {self.body!r} is not a drawing whose layers have densities"
@@ -168,7 +168,7 @@ class Weight(_Load):
 
 
 class Fill(_Load):
-    """What lies on vaults or behind walls of blocks: its weight and its pressure sideways."""
+    """A fill on vaults or behind walls of blocks: its weight and its lateral pressure."""
 
     maker: ClassVar[str] = "la.masonry.fill"
     load: Literal["fill"]

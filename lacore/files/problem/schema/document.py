@@ -21,7 +21,7 @@ _OF_BLOCKS = ("block", "blocks", "wall", "stack", "arch")
 
 
 class Told(Entry):
-    """Units of answers; those that are left out are as most of the file is written."""
+    """Units of results; by default the most frequent ones of the file."""
 
     force: Literal["N", "kN", "MN", "lbf", "kip"] | None = None
     length: Literal["m", "cm", "mm", "ft", "in"] | None = None
@@ -29,12 +29,12 @@ class Told(Entry):
 
     @property
     def given(self) -> dict[str, str]:
-        """Those that are not left out."""
+        """Units that are given."""
         return {name: own for name, own in self.model_dump().items() if own is not None}
 
 
 class Asked(Entry):
-    """What is asked for, and how it is solved; the command line has the last word."""
+    """Requested results and solver; the command line takes precedence."""
 
     backend: str = "auto"
     coupling: str | None = None
@@ -44,13 +44,13 @@ class Asked(Entry):
     range: StrictBool = False
     """Whether all load factors are searched, not one."""
     safety: StrictBool = False
-    """Whether the factor of safety on strength is asked for."""
+    """Whether the factor of safety on strength is requested."""
     interfaces: StrictBool = False
     """Whether that divides the friction of interfaces as well."""
     stable: StrictBool = False
-    """Whether the dead loads alone are carried, with the proof drawn."""
+    """Whether the dead loads alone are carried, with the proof in a picture."""
     sensitivity: StrictBool = False
-    """Whether it is asked what the load factor depends on."""
+    """Whether sensitivities of the load factor are requested."""
     cases: StrictBool = False
     """Whether each case of the reference loads is solved alone."""
     envelope: StrictBool = False
@@ -58,11 +58,11 @@ class Asked(Entry):
     vary: str | None = None
     """A number of the file and its range: arch.thickness=5 cm:20 cm."""
     critical: Number | None = None
-    """The load factor that is looked for along it."""
+    """Load factor to search for along it."""
     limit: StrictBool = False
-    """Whether it is asked where along it the dead loads are just carried."""
+    """Whether to find the value at which the dead loads are just carried."""
     worst: StrictBool = False
-    """Whether it is asked where along it the load factor is least."""
+    """Whether to find the value with the smallest load factor."""
 
 
 class ProblemFile(Entry):
@@ -70,12 +70,12 @@ class ProblemFile(Entry):
 
     maker: ClassVar[str] = "la.Problem"
     title: str = ""
-    """Of the page that shows the answer."""
+    """Title of the page of results."""
     bodies: dict[str, Body]
     reference_loads: tuple[Load, ...] = ()
-    """What the load factor multiplies; required unless tools move."""
+    """Loads that the load factor multiplies; required unless tools move."""
     dead_loads: tuple[Load, ...] = ()
-    """What stays as it is."""
+    """Constant loads."""
     supports: tuple[Support, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     tools: dict[str, Tool] = Field(default_factory=dict)
@@ -93,10 +93,10 @@ class ProblemFile(Entry):
         return self
 
     def program(self) -> Program:
-        """What makes the problem.
+        """Return the calls that make the problem.
 
         Raises:
-            MisfitError: a layer, a density or a fill of a body that has none.
+            MisfitError: a layer, a density or a fill of a body without one.
         """
         call: Call = self.call(())
         bodies: dict[str, Any] = call.arguments["bodies"]
@@ -125,7 +125,7 @@ class ProblemFile(Entry):
         return Program(things, call, path)
 
     def _require(self, things: Mapping[Key, Any], nodes: Iterable[Any]) -> None:
-        """Raise `MisfitError` where bodies have not what is said of them."""
+        """Raise `MisfitError` if bodies do not have the features that the file uses."""
         wrong: list[tuple[InputError, Path]] = []
         for own in owned(nodes):
             if own.thing in things:
@@ -140,7 +140,7 @@ class ProblemFile(Entry):
             raise MisfitError(*wrong)
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         for name in ("title", "tools", "path", "solve"):
             given.pop(name, None)

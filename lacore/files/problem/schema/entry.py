@@ -1,4 +1,4 @@
-"""What all entries of a problem file share: keys that are known, and what becomes of them."""
+"""Base of all entries of a problem file: known keys, and their conversion to calls."""
 
 from typing import Any, ClassVar
 
@@ -14,8 +14,8 @@ class Entry(BaseModel):
     """A table of a problem file.
 
     Attributes:
-        maker: what of lacore it becomes, see `lacore.files.problem.calls.MAKERS`.
-        tag: the key that tells its kind from others; no argument.
+        maker: function of its call, see `lacore.files.problem.calls.MAKERS`.
+        tag: the key that determines its kind, which is not an argument.
     """
 
     model_config = ConfigDict(
@@ -27,14 +27,14 @@ class Entry(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _keys(cls, given: Any) -> Any:
-        """Say of unknown and missing keys which ones there are."""
+        """Check for unknown and missing keys, and list the valid ones in errors."""
         if not isinstance(given, dict):
             raise refused("not a table", "give its keys, as { key = value }")
         known = {entry.alias or name: entry for name, entry in cls.model_fields.items()}
         for key in given:
             if key not in known:
                 fix = suggest(str(key), set(known) - set(given))
-                if not fix.endswith("?"):  # it may be meant to be part of one that is there
+                if not fix.endswith("?"):  # It may belong to an existing key.
                     fix = suggest(str(key), known) if suggest(str(key), known)[-1] == "?" else fix
                 raise refused("unknown key", fix, str(key))
         missing = [key for key, entry in known.items() if entry.is_required() and key not in given]
@@ -44,11 +44,11 @@ class Entry(BaseModel):
         return given
 
     def call(self, at: Path) -> Any:
-        """What it makes, said at a place of the file."""
+        """Return its call, with its place in the file."""
         return Call(self.maker, self.arguments(at), at)
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """Keys that were given, as arguments."""
+        """Return the keys that were given, as arguments."""
         fields = type(self).model_fields
         given = {name: getattr(self, name) for name in fields if name in self.model_fields_set}
         return {
@@ -59,7 +59,7 @@ class Entry(BaseModel):
 
 
 def node(value: Any, at: Path) -> Any:
-    """A value of the file as part of calls."""
+    """Return a value of the file as part of calls."""
     if isinstance(value, Entry):
         return value.call(at)
     if isinstance(value, tuple | list):

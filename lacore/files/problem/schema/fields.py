@@ -1,4 +1,4 @@
-"""Strengths, angles, pressures and weights that vary from place to place."""
+"""Strengths, angles, pressures and weights that vary with place."""
 
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
@@ -22,7 +22,7 @@ from lacore.files.problem.schema.values import (
 
 
 class Linear(Entry):
-    """`value` at a place `at` (the origin, if left out), and its `gradient` by x and y."""
+    """`value` at a place `at` (by default the origin), and its `gradient` by x and y."""
 
     maker: ClassVar[str] = "la.Linear"
     value: Stress
@@ -39,10 +39,10 @@ class ByLevel(Entry):
 
 
 class StrengthByLevel(ByLevel):
-    """The same of a strength: levels may run through elements, which bounds take into account."""
+    """Strengths at heights y, linear between them; levels may run through elements."""
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         table = super().call(at)
         pairs = sorted(zip(self.levels, self.values, strict=False))
         slopes = [
@@ -64,11 +64,11 @@ Strength = Annotated[
     | Annotated[StrengthByLevel, Tag("~levels")],
     Discriminator(_kind),
 ]
-"""A number, or as it varies from place to place."""
+"""A number, or a function of place."""
 
 
 class LinearAngle(Linear):
-    """The same of a friction angle."""
+    """`value` of a friction angle at a place `at`, and its `gradient` by x and y."""
 
     value: Angle
     gradient: tuple[AngleSlope, AngleSlope]
@@ -86,7 +86,7 @@ FrictionAngle = Annotated[
     | Annotated[AngleByLevel, Tag("~levels")],
     Discriminator(_kind),
 ]
-"""An angle, or as it varies from place to place."""
+"""An angle, or a function of place."""
 DilationAngle = Annotated[
     Annotated[Angle, Tag("~number")]
     | Annotated[LinearAngle, Tag("~linear")]
@@ -96,13 +96,13 @@ DilationAngle = Annotated[
 
 
 class LinearWeight(Linear):
-    """The same per volume: a weight or another force."""
+    """`value` of a force per volume at a place `at`, and its `gradient` by x and y."""
 
     value: UnitWeight
     gradient: tuple[WeightSlope, WeightSlope]
 
     def times(self, factor: float) -> "LinearWeight":
-        """As a component of a force."""
+        """Return it as a component of a force."""
         x, y = self.gradient
         gradient = (factor * x, factor * y)
         return self.model_copy(update={"value": factor * self.value, "gradient": gradient})
@@ -114,7 +114,7 @@ class WeightByLevel(ByLevel):
     values: tuple[UnitWeight, ...]
 
     def times(self, factor: float) -> "WeightByLevel":
-        """As a component of a force."""
+        """Return it as a component of a force."""
         return self.model_copy(update={"values": tuple(factor * own for own in self.values)})
 
 
@@ -124,11 +124,11 @@ Density = Annotated[
     | Annotated[WeightByLevel, Tag("~levels")],
     Discriminator(_kind),
 ]
-"""A force per volume: a number, or as it varies from place to place."""
+"""A force per volume: a number, or a function of place."""
 
 
 def times(density: float | LinearWeight | WeightByLevel, factor: float) -> Any:
-    """A component of a force per volume; none is 0."""
+    """Return a component of a force per volume; none if it is 0."""
     if factor == 0:
         return 0.0
     return factor * density if isinstance(density, float) else density.times(factor)

@@ -34,7 +34,7 @@ class LinearHardening(_Hardening):
 
 
 class Voce(_Hardening):
-    """Hardening that ends, at `saturation`."""
+    """Hardening to a limit, `saturation`."""
 
     maker: ClassVar[str] = "la.hardening.Voce"
     law: Literal["voce"]
@@ -70,7 +70,7 @@ Hardening = Annotated[
 
 
 class VonMises(Entry):
-    """Metal, undrained clay: yields at a shear stress; or by its yield stress in tension."""
+    """Metal, undrained clay: yield at a shear stress, or at a yield stress in tension."""
 
     maker: ClassVar[str] = "la.VonMises"
     tag: ClassVar[str] = "criterion"
@@ -78,7 +78,7 @@ class VonMises(Entry):
     shear_strength: Strength | None = None
     yield_stress: Strength | None = None
     hardening: Hardening | None = None
-    """In place of both: paths follow it, a load factor is that of the first yield stress."""
+    """Alternative to both: used along paths; a load factor is that of the initial yield stress."""
 
 
 class MohrCoulomb(Entry):
@@ -158,7 +158,7 @@ class FrictionLaw(Entry):
     mu: Number | None = None
     """Coefficient of Coulomb friction."""
     angle: Steep | None = None
-    """Of Coulomb friction."""
+    """Friction angle of Coulomb friction."""
     limit: Stress | None = None
     """Shear stress that slips at any pressure."""
     adhesion: Stress | None = None
@@ -183,7 +183,7 @@ class FrictionLaw(Entry):
         return self
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         if self.limit is not None:
             return Call("la.Tresca", {"limit": self.limit}, at)
         if self.angle is not None:

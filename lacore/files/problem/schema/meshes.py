@@ -1,4 +1,4 @@
-"""Meshes: of a file, or of a shape."""
+"""Meshes: from a file, or of a shape."""
 
 from pathlib import Path as File
 from typing import Annotated, Any, ClassVar, Literal
@@ -27,12 +27,12 @@ from lacore.files.problem.schema.values import (
 )
 
 FOLDER = "folder"
-"""Of the context of a validation: where the problem file is."""
+"""Key of a validation context: the folder of the problem file."""
 _CELLS = 100_000
 
 
 def _beside(given: str, info: ValidationInfo) -> str:
-    # What lacks a name, or has bytes that no name has, is refused where it is read.
+    # Missing names, or invalid bytes, are rejected when the file is read.
     return str((info.context or {}).get(FOLDER, File()) / given)
 
 
@@ -41,12 +41,12 @@ NamedFile = Annotated[str, AfterValidator(_beside)]
 
 
 class MeshFile(Entry):
-    """A mesh of gmsh, of another program, or one that lacore saved, by its path from here."""
+    """A mesh of gmsh, of another program, or saved by lacore; the path is relative to this file."""
 
     maker: ClassVar[str] = "la.meshes.read"
     file: NamedFile
     surface: str | None = None
-    """The physical group whose triangles are taken."""
+    """Physical group of the triangles to read."""
     merge: Number | None = None
 
     @model_validator(mode="before")
@@ -57,13 +57,13 @@ class MeshFile(Entry):
         return given
 
     def arguments(self, at: Path) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         del given["file"]
         return {"path": File(self.file), **given}
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         saved = self.file.lower().endswith(".npz")
         maker = "la.meshes.load" if saved else self.maker
         return Call(maker, self.arguments(at), at, {"path": (*at, "file")})
@@ -123,7 +123,7 @@ class Quadrilaterals(_Shape):
 
 
 class Fan(_Shape):
-    """A rectangle of triangles that turn around a point, such as the edge of a footing."""
+    """A rectangle of triangles around a point, such as the edge of a footing."""
 
     maker: ClassVar[str] = "la.meshes.fan"
     cells: ClassVar[tuple[str, str]] = ("sectors", "rings")
@@ -168,7 +168,7 @@ class QuarterRing(_Shape):
 
 
 class Patch(_Shape):
-    """A quadrangle of `corners` anticlockwise, with `nx` cells along its first side."""
+    """A convex quadrangle with anticlockwise `corners`, and `nx` cells along its first side."""
 
     maker: ClassVar[str] = "la.meshes.Patch"
     tag: ClassVar[str] = ""
@@ -179,7 +179,7 @@ class Patch(_Shape):
     """[At which share of the side, largest cell per smallest]."""
     grade_y: tuple[Number, Number] | None = None
     name: str | None = None
-    """Of the region that it is."""
+    """Name of its region."""
 
 
 class Patches(Entry):

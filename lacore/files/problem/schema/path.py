@@ -14,7 +14,7 @@ from lacore.files.problem.schema.values import AngleSlope, Count, Length, Measur
 
 
 class FootingTravel(Entry):
-    """How far the rigid footing of the reference load has moved."""
+    """Displacement of the rigid footing of the reference load."""
 
     maker: ClassVar[str] = "la.FootingTravel"
     tag: ClassVar[str] = "measure"
@@ -22,7 +22,7 @@ class FootingTravel(Entry):
 
 
 class PointTravel(Entry):
-    """How far a vertex of a body has moved along a direction."""
+    """Displacement of a vertex of a body along a direction."""
 
     maker: ClassVar[str] = "la.PointTravel"
     tag: ClassVar[str] = "measure"
@@ -45,16 +45,16 @@ Motion = Annotated[
 
 
 class ToolTravel(Entry):
-    """How far rigid blocks have moved together, each with its own velocity."""
+    """Common displacement of rigid blocks, each with its own velocity."""
 
     maker: ClassVar[str] = "la.ToolTravel"
     tag: ClassVar[str] = "measure"
     measure: Literal["tools"]
     velocity: dict[str, Motion]
-    """Of each block, per travel: [x, y], or [x, y, turn] with the angle by which it turns."""
+    """Velocity of each block, per travel: [x, y], or [x, y, turn] with the angle of rotation."""
 
     def arguments(self, at: Place) -> dict[str, Any]:
-        """See `Entry.arguments`."""
+        """Return its arguments, see `Entry.arguments`."""
         given = super().arguments(at)
         return given | {
             "velocity": {name: in_radians(own) for name, own in given["velocity"].items()}
@@ -62,12 +62,12 @@ class ToolTravel(Entry):
 
 
 def in_radians(motion: tuple[float, ...]) -> tuple[float, ...]:
-    """A motion (x, y, turn) with its turn in rad/m; (x, y) as it is."""
+    """Return a motion (x, y, turn) with its rotation in rad/m, and (x, y) unchanged."""
     return (*motion[:2], *map(radians, motion[2:]))
 
 
 class TimeTravel(Entry):
-    """The time, at velocities for which the reference loads do work at a rate of one."""
+    """Time, at velocities for which the reference loads do work at a rate of one."""
 
     maker: ClassVar[str] = "la.Time"
     tag: ClassVar[str] = "measure"
@@ -79,7 +79,7 @@ class AdaptiveSteps(Entry):
 
     maker: ClassVar[str] = "la.AdaptiveSteps"
     tolerance: Number | None = None
-    """Of the change of the displacement in a step, per size of the body; 0.001 if left out."""
+    """Change of the displacement in a step, by the size of the body; 0.001 by default."""
     first: Number | None = None
     """Length of the first step, per travel; 0.05 if left out."""
     smallest: Number | None = None
@@ -87,11 +87,11 @@ class AdaptiveSteps(Entry):
 
 
 class LeastNorm(Entry):
-    """The most regular of all velocities of nearly the same load."""
+    """The smoothest of all velocities of nearly the same load."""
 
     maker: ClassVar[str] = "la.LeastNorm"
     within: Number | None = None
-    """By how much its load may be above the load factor; 0.0001 if left out."""
+    """Allowed increase of its load over the load factor; 0.0001 by default."""
 
 
 def _size(given: Any) -> str:
@@ -111,24 +111,24 @@ class Remeshing(Entry):
     ) = None
     """Length of edges, or one for each body by name; as before if left out."""
     quality: Number | None = None
-    """Ratio of the quality of an element to that at first, below which it is replaced."""
+    """Quality of an element, by its initial value, below which it is replaced."""
 
 
 class Steady(Entry):
-    """When load and flow count as stationary: the path ends then."""
+    """Condition for stationary load and flow, at which the path ends."""
 
     maker: ClassVar[str] = "la.Steady"
     tolerance: Number | None = None
-    """Of the drift of the load, per mean load; 0.01 if left out."""
+    """Drift of the load, by the mean load; 0.01 by default."""
     window: Length | None = None
-    """Part of the travel that is looked at; the last third if left out."""
+    """Part of the travel that is checked; the last third by default."""
     flow: Number | None = None
     """Largest difference of the velocities, per norm; 0.1 if left out."""
 
 
 @dataclass(frozen=True)
 class _Travel(Measure):
-    """A length, or a time where that is what the control measures."""
+    """Length, or time if the control measures it."""
 
     unit: str = "m"
 
@@ -151,9 +151,9 @@ class PathOf(Entry):
         ]
         | None
     ) = None
-    """What the travel is of; the footing of the reference load if left out."""
+    """Motion that the travel measures; the footing of the reference load by default."""
     travel: Annotated[float, _Travel()]
-    """How far to go."""
+    """Travel at the end of the path."""
     steps: (
         Annotated[
             Annotated[Count, Tag("~number")] | Annotated[AdaptiveSteps, Tag("~adaptive")],
@@ -174,7 +174,7 @@ class PathOf(Entry):
     """Whether an animation is written."""
 
     def call(self, at: Place) -> Call:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = self.arguments(at)
         given.pop("animation", None)
         if "approaching" in given:

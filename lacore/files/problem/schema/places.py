@@ -11,7 +11,7 @@ from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.values import End, Length, Number, Point
 
 DRAWING = "drawing"
-"""Of the key of what was drawn, after the name of its body."""
+"""Part of the key of a drawing, after the name of its body."""
 
 
 def _extent(given: Any) -> str:
@@ -42,7 +42,7 @@ class Line(Entry):
     end: Point = Field(alias="to")
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`."""
+        """Return its value, see `Entry.call`."""
         made = super().call(at)
         return type(made)(
             made.maker,
@@ -58,12 +58,12 @@ class OfLayer(Entry):
     layer: str
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`: of a drawing that `of_body` names."""
+        """Return its value, see `Entry.call`; `of_body` adds the drawing."""
         return Own(("", DRAWING), "named", {"layer": self.layer}, (*at, "layer"))
 
 
 def of_body(where: Any, body: str, entry: Path) -> Any:
-    """A place as part of calls, on a body that an entry of the file names."""
+    """Return a place as part of calls, on a body that an entry of the file names."""
     if not isinstance(where, Own):
         return where
     why = f"{body!r} is not a drawing, so its blocks have no layers"

@@ -9,7 +9,7 @@ from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.values import Axial, Length, Moment, Stress, Strut, Whole
 
-_MOST = 256  # sides: with 8 a rectangle's polygon is 0.4 % off its curve
+_MOST = 256  # sides: with 8, a rectangle's polygon is within 0.4 % of its curve
 
 
 class _OfStress(Entry):
@@ -51,7 +51,10 @@ class ISection(_OfStress):
     """Radius between web and flange; 0 of welded ones."""
 
     def call(self, at: Path) -> Any:
-        """See `Entry.call`: lacore names the fillet where web and flanges do not fit."""
+        """Return its call, see `Entry.call`.
+
+        Lacore names the fillet if web and flanges do not fit.
+        """
         arguments = {"fillet": self.fillet} | self.arguments(at)
         places = {} if "fillet" in self.model_fields_set else {"fillet": (*at, "web")}
         return Call(self.maker, arguments, at, places)
@@ -62,18 +65,18 @@ class Bar(Entry):
 
     maker: ClassVar[str] = "la.sections.bar"
     tension: Strut
-    """Strength; infinite of what never yields."""
+    """Strength; infinite if it never yields."""
     compression: Strut | None = None
-    """The same if it is left out; 0 of a cable."""
+    """Equal to tension by default; 0 for a cable."""
 
 
 class Plastic(Entry):
-    """A plastic moment, whatever the axial force."""
+    """A plastic moment, for any axial force."""
 
     maker: ClassVar[str] = "la.sections.plastic"
     plastic_moment: Moment
     hogging: Moment | None = None
-    """The same if it is left out."""
+    """Equal to the other sense by default."""
 
 
 class Polygon(Entry):
@@ -83,7 +86,7 @@ class Polygon(Entry):
     corners: tuple[tuple[Axial, Moment], ...]
     name: str = ""
     lower: tuple[tuple[Axial, Moment], ...] | None = None
-    """The lower side likewise; the mirror image if it is left out."""
+    """Lower side, likewise; the mirror image by default."""
     side: Literal["inner", "outer"] | None = None
     """Inside or around a yield curve; left out where the polygon is the yield surface itself."""
     other: tuple[tuple[Axial, Moment], ...] | None = None
@@ -122,5 +125,5 @@ Section = Annotated[
 
 
 def section(given: Any, at: Path) -> Any:
-    """A section as part of calls."""
+    """Return a section as part of calls."""
     return Call("la.sections.rigid", {}, at) if given == "rigid" else given.call(at)

@@ -41,7 +41,7 @@ class _Tool(Entry):
     ]
     """The boundaries that it may touch: { body, where }, or a list of these."""
     velocity: tuple[Number, Number] | None = None
-    """Of its reference point, per travel; [0, 0] if left out."""
+    """Velocity of its reference point, per travel; [0, 0] by default."""
     turn: AngleSlope | None = None
     """Angle by which it turns, per travel, anticlockwise; 0 if left out."""
     about: Point | None = None
@@ -50,7 +50,7 @@ class _Tool(Entry):
     """0 if left out."""
 
     def call(self, at: Path) -> Call:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = self.arguments(at)
         own = {name: given.pop(name) for name in self.shaped if name in given}
         if "turn" in given:
@@ -58,12 +58,12 @@ class _Tool(Entry):
         return Call(self.maker, {"shape": self._shape(own, at), **given}, at)
 
     def _shape(self, given: dict[str, Any], at: Path) -> Call:
-        """What makes the shape from its keys."""
+        """Return the call for the shape from its keys."""
         return Call(f"la.shapes.{self.shape}", given, at, {self.shape: at})
 
 
 class WedgeTool(_Tool):
-    """A wedge without end."""
+    """An unbounded wedge."""
 
     shape: ClassVar[str] = "wedge"
     shaped: ClassVar[tuple[str, ...]] = ("tip", "half_angle", "axis")
@@ -105,14 +105,14 @@ class DrawnOutline(Entry):
     maker: ClassVar[str] = "la.shapes.read_outline"
     file: NamedFile
     layer: str | None = None
-    """Of the outline; the only layer of the drawing if left out."""
+    """Layer of the outline; by default the only layer of the drawing."""
     unit: DrawingUnit | None = None
-    """Of the drawing, whatever it says."""
+    """Unit of the drawing, instead of that in the file."""
     sagitta: Length | None = None
-    """Chords may be off curves by this; curves are refused if left out."""
+    """Largest distance of chords from curves; by default curves are rejected."""
 
     def call(self, at: Path) -> Call:
-        """See `Entry.call`."""
+        """Return its call, see `Entry.call`."""
         given = self.arguments(at)
         arguments = {"path": File(given.pop("file")), **given}
         return Call(self.maker, arguments, at, {"path": (*at, "file")})
@@ -146,7 +146,7 @@ class OutlineTool(_Tool):
         return self
 
     def _shape(self, given: dict[str, Any], at: Path) -> Call:
-        """See `_Tool`."""
+        """Return the call for the shape, see `_Tool`."""
         drawn: Call | None = given.pop("outline", None)
         if drawn is None:
             return super()._shape(given, at)

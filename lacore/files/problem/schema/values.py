@@ -1,4 +1,4 @@
-"""Numbers of a problem file: with their units, finite, and never a text that looks like one."""
+"""Numbers of a problem file: with their units, finite, and never plain texts."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -13,41 +13,41 @@ from lacore.files.problem.units import DEGREES, Amount, WrongUnitError, amount
 from lacore.reporting.errors import is_number
 
 FORCES = "forces"
-"""Of the context of a validation: the unit of forces on each body that is no plane one."""
+"""Key of a validation context: the unit of forces on each body with special units."""
 AMOUNTS = "amounts"
-"""Of that context: the list of all `Amount` that are read."""
+"""Key of that context: the list of all `Amount` that are read."""
 _MOST = 1_000_000
 
 
 def refused(why: str, fix: str, *more: str) -> PydanticCustomError:
-    """An error of a value: what is wrong with it, what to do, and what of it that is about."""
-    # In words alone: braces in it would be taken for places.
+    """Return an error of a value: what is wrong, the fix, and the part it concerns."""
+    # The texts are arguments, because braces in a message would be placeholders.
     return PydanticCustomError("refused", "refused", {"why": why, "fix": fix, "more": more})
 
 
 class _Read(ABC):
-    """A number that pydantic reads by `read`."""
+    """Number that pydantic reads by `read`."""
 
     @abstractmethod
     def read(self, given: object, info: ValidationInfo) -> float:
-        """The number."""
+        """Return the number."""
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        """How it is read."""
+        """Return the schema for pydantic, which calls `read`."""
         return core_schema.with_info_plain_validator_function(self.read)
 
 
 @dataclass(frozen=True)
 class Measure(_Read):
-    """A number in a unit; a text is one with its own, and is converted.
+    """Number in a unit; a text has its own unit, and is converted.
 
     Attributes:
-        unit: that numbers are in; empty: they have none.
-        whole: of bodies that are meant as they stand, not per thickness: frames.
+        unit: unit of plain numbers; empty without a unit.
+        whole: unit for bodies that are not per thickness: frames.
         endless: whether it may be infinite.
-        radians: of angles in degrees, the most that they are in radians: no bare number is less.
+        radians: for angles in degrees, the largest value in radians: no plain number is smaller.
     """
 
     unit: str = ""
@@ -58,14 +58,14 @@ class Measure(_Read):
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """How the schema tells it."""
+        """Return its JSON schema."""
         if not self.unit:
             return {"type": "number"}
         said = f"in {self.unit}, or a text with its unit"
         return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": said}
 
     def read(self, given: object, info: ValidationInfo) -> float:
-        """The number in the unit of the field."""
+        """Return the number in the unit of the field."""
         found = self._amount(given, self._accepted(info))
         if info.context is not None:
             info.context[AMOUNTS].append(found)
@@ -100,7 +100,7 @@ class Measure(_Read):
 
 @dataclass(frozen=True)
 class Whole(_Read):
-    """A whole number from `least` on."""
+    """Whole number from `least` on."""
 
     least: int = 1
     most: int = _MOST
@@ -108,11 +108,11 @@ class Whole(_Read):
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """How the schema tells it."""
+        """Return its JSON schema."""
         return {"type": "integer", "minimum": self.least, "maximum": self.most}
 
     def read(self, given: object, info: ValidationInfo) -> int:
-        """The number."""
+        """Return the number."""
         if isinstance(given, bool) or not isinstance(given, int):
             raise refused("not a whole number", f"give a whole number from {self.least} on")
         if not self.least <= given <= self.most:
@@ -125,9 +125,9 @@ Length = Annotated[float, Measure("m")]
 End = Annotated[float, Measure("m", endless=True)]
 Angle = Annotated[float, Measure(DEGREES)]
 Steep = Annotated[float, Measure(DEGREES, radians=pi / 2)]
-"""Of friction: 1.5 degrees are none."""
+"""Friction angle: a value of 1.5 degrees is rejected as radians."""
 Turn = Annotated[float, Measure(DEGREES, radians=2 * pi)]
-"""Of an arch."""
+"""Angle of an arch."""
 MassDensity = Annotated[float, Measure("kg/m^3")]
 Stress = Annotated[float, Measure("Pa")]
 UnitWeight = Annotated[float, Measure("N/m^3")]

@@ -148,7 +148,7 @@ class FrameDofs(Compact):
         return tension, bending
 
     def stress_of(self, stress: Floats, moment: Floats) -> Floats:
-        """Return the stresses (K,) for other moments (E,) of the rows of `hinges`, changed least."""
+        """Return stresses (K,) with other moments (E,) in `hinges`, changed least."""
         weight = self.body.size**2
         axial, _ = self.modes.forces(weight * stress)
         return self.modes.with_forces(weight * stress, axial, moment) / weight
