@@ -1,4 +1,4 @@
-"""Load factors along a parameter: each asked once, kept where that is wanted."""
+"""Load factors along a parameter, each computed once, and stored on request."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -33,16 +33,16 @@ PROBLEM_AT = "give a function of a value that returns the problem at it"
 
 @dataclass
 class Along:
-    """Load factors of the problems that belong to values of a parameter.
+    """Load factors of the problems at values of a parameter.
 
     Attributes:
-        problem_at: the problem at a value.
-        given: what `lacore.solve` is given.
-        folder: where they are kept; None: nowhere.
-        assembled: makes of a problem what is solved.
-        on_value: called with each value and its load factor as it is found.
-        rows: what was asked, by value.
-        states: those that were solved here, by value.
+        problem_at: function that returns the problem at a value.
+        given: arguments of `lacore.solve`.
+        folder: folder of stored results; None: they are not stored.
+        assembled: assembles a problem.
+        on_value: called with each value and its load factor.
+        rows: results by value.
+        states: states that were solved here, by value.
     """
 
     problem_at: ProblemAt
@@ -54,7 +54,7 @@ class Along:
     states: dict[float, LimitState] = field(default_factory=dict)
 
     def ask(self, values: Sequence[float]) -> list[float]:
-        """Load factors at values, NaN where none is certified; those that are new are solved."""
+        """Return load factors at values, NaN if none is certified; new ones are solved."""
         asked = [float(value) for value in dict.fromkeys(values) if float(value) not in self.rows]
         assembled = {value: self._assembled(value) for value in asked}
         for value, problem in assembled.items():
@@ -65,7 +65,7 @@ class Along:
         return [self.rows[float(value)]["load_factor"] for value in values]
 
     def _recall(self, value: float, problem: Discretisation) -> None:
-        """Note what was kept of the problem at a value, or solve it and keep what is found."""
+        """Read the stored result at a value, or solve the problem and store it."""
         name = digest(problem.program, self.given) if self.folder else ""
         known = recall(self.folder, name) if self.folder else None
         if known is not None:
@@ -83,23 +83,23 @@ class Along:
             keep(self.folder, name, found)
 
     def error_at(self, value: float) -> float:
-        """Of the load factor at a value that was asked."""
+        """Return the error of the load factor at a computed value."""
         return float(self.rows[value]["error"])
 
     def state_if(self, value: float) -> LimitState | None:
-        """The state at a value, solved where only its number was kept; None without power."""
+        """Return the state at a value, solved if only its number was stored; None without power."""
         if value not in self.states and (problem := self._assembled(value)) is not None:
             self.states[value] = solve(problem, **self.given)
         return self.states.get(value)
 
     @property
     def table(self) -> pd.DataFrame:
-        """All that was asked, by value."""
+        """All results, by value."""
         rows = [self.rows[value] for value in sorted(self.rows)]
         return pd.DataFrame(rows, columns=COLUMNS)
 
     def discretised(self, value: float) -> Discretisation:
-        """The problem at a value, assembled; errors name the value."""
+        """Return the assembled problem at a value; errors name the value."""
         try:
             return self.assembled(self.problem_at(value))
         except InputError as wrong:
@@ -107,21 +107,21 @@ class Along:
             raise type(wrong)(field, wrong.value, wrong.reason, wrong.fix) from None
 
     def _assembled(self, value: float) -> Discretisation | None:
-        """The problem at a value; None where supports take the whole load, as below a wheel."""
+        """Return the problem at a value; None if supports take the whole load, as below a wheel."""
         try:
             return self.discretised(value)
         except NoPowerError:
             return None
 
     def _without_power(self, value: float) -> LoadFactorRecord:
-        """What the dead loads alone decide, where supports take the others whatever their size."""
+        """Return the result for the dead loads alone, if supports take the other loads."""
         problem = self.problem_at(value)
         if not problem.dead_loads:
             return _OF_DEAD[True]
         given = {name: self.given[name] for name in ("backend", "options") if name in self.given}
         try:
             return _OF_DEAD[stable(problem.with_loads(problem.dead_loads), **given).stands]
-        except NoPowerError:  # they take these, too
+        except NoPowerError:  # Supports take these, too.
             return _OF_DEAD[True]
 
     def _note(self, value: float, found: LoadFactorRecord, kept: bool) -> None:
@@ -139,17 +139,17 @@ class Along:
 
 
 def solved_by(table: pd.DataFrame, seconds: float) -> str:
-    """In words how many load factors of a table were solved, in what time, and how many kept."""
+    """Return a text on the number of solves in a table, their time, and stored results."""
     kept = int(table["kept"].sum())
     solves = f"{counted(len(table) - kept, 'solve')} in {seconds:.3g} s"
     return f"{solves}, {kept} kept" if kept else solves
 
 
 def read_range(within: tuple[float, float]) -> tuple[float, float]:
-    """Two ends of a parameter.
+    """Return two ends of a parameter.
 
     Raises:
-        InputError: they are none.
+        InputError: they are invalid.
     """
     pair = isinstance(within, Sequence) and len(within) == 2 and all(map(is_number, within))
     if not pair or not within[0] < within[1]:

@@ -1,4 +1,4 @@
-"""`critical`: the value of a parameter at which a structure just carries what it has to."""
+"""`critical`: the value of a parameter at which a structure just carries its loads."""
 
 from __future__ import annotations
 
@@ -29,13 +29,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOAD_FACTOR = "load factor"
-_SCANNED = 9  # values between two ends on one side, before it is said that nothing crosses
-_WIDEN, _TRIES = 4.0, 8  # ends of what is proven go out where residuals do not let them be so near
-_MOST = 100  # steps of a search: bisection takes 50 to round-off
+_SCANNED = 9  # values between two ends on one side that are checked for a crossing
+# factor and number of times by which ends are moved apart if residuals are too large
+_WIDEN, _TRIES = 4.0, 8
+_MOST = 100  # limit of steps of a search: bisection needs 50 to round-off
 
 
 class Search(Enum):
-    """How a search for a critical value ended. The text says what to do."""
+    """End of a search for a critical value. Its text says what to do."""
 
     FOUND = "the load factor is proven to be on either side of the target at the two ends"
     SAME_SIDE = (
@@ -63,14 +64,14 @@ class Search(Enum):
 
 @dataclass(frozen=True, repr=False)
 class Crossing(Compact):
-    """A range of a parameter at whose ends load factors are proven to lie on different sides.
+    """Range of a parameter whose ends have load factors on different sides of the target.
 
     Attributes:
-        low, high: its ends: as near to each other as was asked for where it was found, else those
-            that were seen.
+        low, high: its ends, within the tolerance if it was narrowed down, else the values at which
+            the change was detected.
         rises: whether the load factor rises through the target.
         status: whether it was narrowed down, and if not, why.
-        at_low, at_high: states at its ends; None where supports take the whole load there.
+        at_low, at_high: states at its ends; None if supports take the whole load there.
     """
 
     low: float
@@ -88,18 +89,19 @@ class Crossing(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Critical(Reported):
-    """Critical values of a parameter, each between two at which certificates prove the side.
+    """Critical values of a parameter, each between two values with certified sides.
 
-    Of deformable bodies the side of the discrete problem: on finer meshes load factors are others.
+    For deformable bodies it is the side of the discrete problem: load factors differ on finer
+    meshes.
 
     Attributes:
-        crossings: every one that was seen, by the parameter; there may be more between values that
-            were not asked.
-        status: of the first of them; without any, why there is none.
-        target: load factor that is crossed.
-        of: what `load_factor` is of.
-        table: a row a value that was asked, in order: ``parameter``, ``load_factor`` (inf where it
-            is locked, -inf where the dead loads alone collapse it), its ``error`` by residuals,
+        crossings: all that were detected, by the parameter; there may be more between the computed
+            values.
+        status: status of the first of them; without any, the reason.
+        target: load factor of the crossings.
+        of: meaning of `load_factor`.
+        table: one row per computed value, in order: ``parameter``, ``load_factor`` (inf if it is
+            locked, -inf if the dead loads alone collapse it), its ``error`` by residuals,
             ``status``, ``residual``, ``seconds``, whether it was ``kept`` in the folder.
         solve_time: s, wall clock.
     """
@@ -118,37 +120,37 @@ class Critical(Reported):
 
     @property
     def value(self) -> float:
-        """The first critical value; NaN where there is none."""
+        """First critical value; NaN if there is none."""
         return self.first.value if self.first else nan
 
     @property
     def low(self) -> float:
-        """Lower end of the first one; NaN where there is none."""
+        """Lower end of the first one; NaN if there is none."""
         return self.first.low if self.first else nan
 
     @property
     def high(self) -> float:
-        """Upper end of the first one; NaN where there is none."""
+        """Upper end of the first one; NaN if there is none."""
         return self.first.high if self.first else nan
 
     @property
     def at_low(self) -> LimitState | None:
-        """State at the lower end; None where there is none, or supports take the whole load."""
+        """State at the lower end; None if there is none, or supports take the whole load."""
         return self.first.at_low if self.first else None
 
     @property
     def at_high(self) -> LimitState | None:
-        """State at the upper end; None where there is none, or supports take the whole load."""
+        """State at the upper end; None if there is none, or supports take the whole load."""
         return self.first.at_high if self.first else None
 
     @property
     def rises(self) -> bool | None:
-        """Whether the load factor rises through the target there; None where nothing was found."""
+        """Whether the load factor rises through the target there; None without a crossing."""
         return self.first.rises if self.first else None
 
     @property
     def failed(self) -> tuple[float, ...]:
-        """Values that were asked and have no certified load factor."""
+        """Computed values without a certified load factor."""
         return tuple(self.table["parameter"][self.table["load_factor"].isna()])
 
     @property
@@ -165,7 +167,7 @@ class Critical(Reported):
         return tuple(found)
 
     def facts(self) -> Facts:
-        """The value, between what, and what proves it."""
+        """Return the value, its range, and its proof, for printing."""
         title = f"Critical: {self.status.label}"
         told = {"status": self.message}
         seen = self.table["load_factor"].dropna()
@@ -182,11 +184,11 @@ class Critical(Reported):
         return Facts(title, told)
 
     def picture(self) -> Picture:
-        """What was asked along the parameter."""
+        """Return the results along the parameter."""
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Load factors: see `lacore.pictures.analyses.plot_critical`."""
+        """Plot load factors: see `lacore.pictures.analyses.plot_critical`."""
         return views.picture(self)
 
 
@@ -204,28 +206,28 @@ def critical(
     folder: str | Path | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> Critical:
-    """The values of a parameter at which the load factor is the target.
+    """Search for the values of a parameter at which the load factor is the target.
 
-    Nothing is assumed of how the load factor depends on it: what is found are ranges so narrow that
-    their ends, with certificates, lie on different sides of the target, one for each change of
-    sides between values that were asked. Load factors of meshes that change with the parameter jump
-    a little, and so may the sides.
+    No assumption is made on the dependence of the load factor on the parameter. The results are
+    narrow ranges whose certified ends lie on different sides of the target, one for each change of
+    sides between computed values. Load factors of meshes that change with the parameter jump
+    slightly, which may change the sides.
 
     Args:
-        problem_at: the problem at a value.
-        within: where it is looked for, (low, high).
+        problem_at: function that returns the problem at a value.
+        within: range of the search, (low, high).
         target: load factor.
-        tolerance: width to search to, per the larger of the two ends.
-        scan: values between the ends that are asked first, to see more than one change of sides;
-            9 where both ends are on one side.
+        tolerance: width of the result, by the larger of the two ends.
+        scan: number of values between the ends that are computed first, to detect more than one
+            change of sides; 9 if both ends are on one side.
         backend, coupling, options: see `lacore.solve`.
-        folder: where load factors are kept, to be found again; None: nowhere.
+        folder: folder in which load factors are stored for later runs; None: they are not stored.
         on_value: called with each value and its load factor, for progress.
 
     Raises:
-        InputError: a range that is none; a problem that cannot be, with its value; what `solve`
-            refuses.
-        CapabilityError: the backend is missing, or cannot take a problem.
+        InputError: an invalid range; an invalid problem, with its value; anything that `solve`
+            rejects.
+        CapabilityError: the backend is missing, or does not support a problem.
 
     Example:
         >>> columns = lambda width: la.examples.column(friction=0.9, width=width)
@@ -250,7 +252,7 @@ def crossing(
     scan: int = 0,
     of: str = LOAD_FACTOR,
 ) -> Critical:
-    """The search of `critical`, of whatever `along` asks."""
+    """Return the search of `critical` for the values of `along`."""
     begin = time.perf_counter()
     require_positive("tolerance", tolerance)
     require_whole("scan", scan)
@@ -277,13 +279,13 @@ def crossing(
 
 
 class _Seen:
-    """Sides of a target that load factors are proven to be on."""
+    """Proven sides of a target."""
 
     def __init__(self, along: Along, target: float) -> None:
         self.along, self.target = along, float(target)
 
     def side(self, value: float) -> float:
-        """-1 or 1 where that is proven; 0 within the error; NaN where nothing is certified."""
+        """Return -1 or 1 if that is proven; 0 within the error; NaN if nothing is certified."""
         above = self.along.ask([value])[0] - self.target
         if isnan(above):
             return nan
@@ -293,12 +295,12 @@ class _Seen:
         return self.side(one) == self.side(other) != 0
 
     def changes(self, values: list[float]) -> list[tuple[float, float]]:
-        """Neighbours on different sides, of those that are on any."""
+        """Return the neighbours on different sides, among values with a proven side."""
         told = [value for value in values if abs(self.side(value)) == 1]
         return [(a, b) for a, b in pairwise(told) if self.side(a) != self.side(b)]
 
     def crossing(self, low: float, high: float, within: float) -> Crossing:
-        """A change of sides, narrowed down as far as certificates allow."""
+        """Return a change of sides, narrowed down as far as certificates allow."""
         rises = self.side(low) < self.side(high)
         status, ends = self._searched(low, high, within)
         if ends is None:
@@ -309,8 +311,9 @@ class _Seen:
     def _searched(
         self, low: float, high: float, within: float
     ) -> tuple[Search, tuple[float, float] | None]:
-        """Narrow a change of sides down; the values next to it whose sides are proven."""
-        from scipy.optimize import toms748  # takes 0.3 s to load, and most solves do not need it
+        """Return how a search for a change of sides ended, and the closest proven values."""
+        # imported here because it takes 0.3 s to load, and most solves do not need it
+        from scipy.optimize import toms748
 
         try:
             root = float(
@@ -333,7 +336,7 @@ class _Seen:
         return Search.NOT_SEPARATED, None
 
     def _bounded(self, value: float) -> float:
-        """The load factor over the target, in (-1, 1): it may be infinite on either side."""
+        """Return the difference to the target, mapped to (-1, 1), as it may be infinite."""
         above = self.along.ask([value])[0] - self.target
         if isnan(above):
             raise _NoNumberError
@@ -351,4 +354,4 @@ def _told(own: Crossing) -> str:
 
 
 class _NoNumberError(Exception):
-    """A value on the way has no certified load factor."""
+    """Raised if a value of the search has no certified load factor."""

@@ -1,4 +1,4 @@
-"""Derivatives from one side and from the other, of load factors or as limits of derivatives."""
+"""One-sided derivatives, of load factors or as limits of derivatives."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,11 +9,12 @@ from lacore.analyses.parameters import Parameter
 from lacore.model.problem.problem import Problem
 from lacore.reporting.errors import InputError
 
-_STEPS = (3e-3, 4e-4)  # of a number: load factors are certified to 1e-6, and mostly much better
-_NEAR = (1e-4, 2.5e-5)  # the same where slopes are known, and only their limits are looked for
-_KINK = 1e-3  # of elasticities: slopes that differ by more from both sides
-_BENT = 0.75  # what is smooth halves with the step
-_STEADY = 10 * _KINK  # of elasticities: slopes at half and whole steps on one side differ by less
+_STEPS = (3e-3, 4e-4)  # by a number: load factors are certified to 1e-6, and usually much better
+_NEAR = (1e-4, 2.5e-5)  # the same if slopes are known, and only their limits are required
+_KINK = 1e-3  # of elasticities: difference of one-sided slopes at a kink
+_BENT = 0.75  # Differences of smooth functions halve with the step.
+# of elasticities: allowed difference of slopes at half and whole steps on one side
+_STEADY = 10 * _KINK
 _NO_STATE = "a load factor at a neighbouring value is not certified"
 _JUMPS = "load factors at neighbouring values jump, or belong to other states"
 
@@ -24,11 +25,11 @@ def by_differences(
     load_factor: float,
     at: Callable[[Problem], float],
 ) -> dict[str, Any]:
-    """One-sided derivatives from certified load factors at half and at whole steps.
+    """Return one-sided derivatives from certified load factors at half and whole steps.
 
-    Each side is extrapolated from its two steps; they are one derivative where both agree. Where
-    the two steps of a side disagree, another state or a kink lies between them, and smaller steps
-    are tried: a kink is reported only if each side is a line of its own.
+    Each side is extrapolated from its two steps; they are one derivative if both agree. If the two
+    steps of a side disagree, another state or a kink lies between them, and smaller steps are
+    tried: a kink is reported only if each side is linear.
     """
     scale = (abs(load_factor) or 1.0) / parameter.size
     fine, coarse = [], []
@@ -57,13 +58,13 @@ def by_differences(
 def two_sided(
     parameter: Parameter, derivative: float, load_factor: float, at: Callable[[float], float]
 ) -> dict[str, Any]:
-    """One-sided derivatives at a value, as limits of those at neighbouring values.
+    """Return one-sided derivatives at a value, as limits of those at neighbouring values.
 
     Args:
         parameter: the number.
-        derivative: that a state at the number has.
-        load_factor: of the state.
-        at: the derivative at another value.
+        derivative: derivative of a state at the number.
+        load_factor: load factor of the state.
+        at: function that returns the derivative at another value.
     """
     scale = (abs(load_factor) or 1.0) / parameter.size
     try:

@@ -1,9 +1,9 @@
 """Derivatives of a load factor by the multipliers of its state, one-sided at kinks (T81).
 
-The load factor is a saddle value: its derivative in a direction is the largest over the stresses,
-and the least over the mechanisms, of the Lagrangian's. A strength or a load meets the mechanism
-alone; a position meets the stresses, too. So a position has one derivative only where both are
-unique, and a change of strengths, which chooses among mechanisms, says nothing about that.
+The load factor is a saddle value: its derivative in a direction is the maximum over the stresses,
+and the minimum over the mechanisms, of that of the Lagrangian. For strengths and loads it depends
+on the mechanism alone, for positions also on the stresses. A position therefore has one derivative
+only if both are unique, which a change of strengths, which selects a mechanism, does not test.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,28 +23,28 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError
 from lacore.reporting.status import Status
 
-_ASIDE = (1e-3, 1.25e-4)  # of all strengths and loads, by which uniqueness is tried
-_CHANGED = 1e-3  # of elasticities: more may be a kink
-_SMOOTH = 2.5  # what is smooth changes 8 times less with the second of them
+_ASIDE = (1e-3, 1.25e-4)  # by all strengths and loads: changes that test uniqueness
+_CHANGED = 1e-3  # of elasticities: a larger change may be a kink
+_SMOOTH = 2.5  # Smooth functions change 8 times less for the second of them.
 _GOLDEN = 0.6180339887498949
 
 
 @dataclass
 class Nearby:
-    """Solves of problems near that of a state, with what it was solved with."""
+    """Solves of slightly changed problems, with the arguments of a state."""
 
     state: LimitState
     given: Mapping[str, Any]
     solves: int = 0
 
     def solved(self, problem: Problem) -> LimitState:
-        """The state of a problem."""
+        """Return the state of a problem."""
         self.solves += 1
         bar = min(TOLERANCE, self.state.tolerance)
         return solve(problem, **self.given, options=self.state.options, tolerance=bar)
 
     def load_factor(self, problem: Problem) -> float:
-        """Its load factor."""
+        """Return the load factor of a problem."""
         return self.solved(problem).load_factor
 
 
@@ -53,11 +53,11 @@ def by_multipliers(
     parameters: Sequence[Parameter],
     nearby: Nearby,
 ) -> list[dict[str, Any]]:
-    """Rows of derivatives at the state; one-sided where mechanisms or stresses are not unique.
+    """Return rows of derivatives, one-sided if mechanisms or stresses are not unique.
 
-    Strengths and loads are changed all at once first: if no derivative differs between both sides,
-    mechanisms are unique. Of all others, and where one differs, each is looked at by itself, as one
-    direction shows that there is a kink but not for which of the parameters.
+    All strengths and loads are changed together first: if no derivative differs between both sides,
+    mechanisms are unique. Other parameters, and all if one derivative differs, are tested
+    separately, because one direction shows that there is a kink but not for which parameter.
     """
     problem, solution = state.discretisation.problem, frozen(state)
     jointly = [own.kind in (STRENGTH, LOAD) for own in parameters]
@@ -82,7 +82,7 @@ def by_multipliers(
 
 
 def _slope(solution: Frozen, problem: Problem, own: Parameter, value: float) -> tuple[float, str]:
-    """The derivative at a state, and why there is none."""
+    """Return the derivative at a state, or why there is none."""
     try:
         return slope(solution, partial(own.at, problem), value, own.size), ""
     except InputError as wrong:
@@ -92,7 +92,7 @@ def _slope(solution: Frozen, problem: Problem, own: Parameter, value: float) -> 
 
 
 def _jump(parameters: Sequence[Parameter], nearby: Nearby) -> bool:
-    """Whether derivatives by strengths and loads differ on both sides of a state, or may do so."""
+    """Return whether derivatives by strengths and loads may differ on both sides of a state."""
     state = nearby.state
     sizes = np.array([own.size for own in parameters])
     apart: list[Floats] = []
@@ -119,7 +119,7 @@ def _jump(parameters: Sequence[Parameter], nearby: Nearby) -> bool:
 def _changed(
     problem: Problem, parameters: Sequence[Parameter], aside: float
 ) -> tuple[Problem, list[float]]:
-    """A problem with each of its parameters changed by a share of its own, and their values."""
+    """Return a problem with each of its parameters changed by its own share, and their values."""
     values = []
     for k, own in enumerate(parameters):
         value = own.value * (1 + aside * (0.3 + 0.7 * ((k + 1) * _GOLDEN % 1.0)))

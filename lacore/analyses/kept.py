@@ -1,4 +1,4 @@
-"""Load factors that were found before, in a folder: a file each, named by what was solved."""
+"""Stored load factors in a folder: one file each, named by a digest of the problem."""
 
 import hashlib
 import json
@@ -18,12 +18,12 @@ _FORMAT = 1
 
 @dataclass(frozen=True)
 class LoadFactorRecord:
-    """What is kept of a state.
+    """Stored data of a state.
 
     Attributes:
         value, error: see `lacore.analyses.proven_values`.
-        status, residual: of the state.
-        seconds: that it took.
+        status, residual: those of the state.
+        seconds: time of the solve.
     """
 
     value: float
@@ -34,14 +34,14 @@ class LoadFactorRecord:
 
 
 def digest(program: KinematicProgram, given: Mapping[str, Any]) -> str:
-    """A name for a program and what it is solved with: equal for equal ones, bit for bit."""
+    """Return a digest of a program and its arguments: equal for equal ones, bit by bit."""
     seen = hashlib.sha256(f"{_FORMAT} {__version__} {sorted(given.items())!r}".encode())
     _read(seen, program)
     return seen.hexdigest()
 
 
 def recall(folder: Path, name: str) -> LoadFactorRecord | None:
-    """What was found before; None where nothing was, or where a file cannot be read."""
+    """Return a stored result; None if there is none, or a file cannot be read."""
     try:
         told = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
         numbers = {key: float(told[key]) for key in ("value", "error", "residual", "seconds")}
@@ -51,14 +51,14 @@ def recall(folder: Path, name: str) -> LoadFactorRecord | None:
 
 
 def keep(folder: Path, name: str, found: LoadFactorRecord) -> None:
-    """Write what was found, whole or not at all."""
+    """Write a result completely or not at all."""
     unfinished = folder / f"{name}.part"
     unfinished.write_text(json.dumps(asdict(found)), encoding="utf-8")
     unfinished.replace(folder / f"{name}.json")
 
 
 def folder_of(folder: str | Path | None) -> Path | None:
-    """The folder, made where there is none.
+    """Return the folder, which is made if it does not exist.
 
     Raises:
         InputError: it cannot be made.
@@ -76,7 +76,7 @@ def folder_of(folder: str | Path | None) -> Path | None:
 
 
 def _read(seen: Any, part: object) -> None:
-    """Feed all numbers of a part of a program, and what they belong to."""
+    """Add all numbers of a part of a program, and their types, to a digest."""
     seen.update(f"<{type(part).__name__}>".encode())
     if is_dataclass(part):
         for entry in fields(part):

@@ -1,4 +1,4 @@
-"""The load factor as a saddle point, and its derivative by any number of the problem (T81)."""
+"""Load factor as a saddle point, and its derivative by any number of the problem (T81)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from lacore.program.dissipation import DissipationGroup
 from lacore.program.kinematic import KinematicProgram, associated_contact
 from lacore.program.state import ProgramState, internal_force
 
-_STEP = 1e-6  # of a number: differences of what is assembled, which no solver blurs
+_STEP = 1e-6  # by a number: differences of assembled programs, which are free of solver errors
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,10 @@ class Frozen:
     """A solution of a program: its velocity, its stresses, and the multipliers of its strengths.
 
     Attributes:
-        discretisation: that it solves.
-        coupling: of its state.
+        discretisation: the solved problem.
+        coupling: coupling of its state.
         point: velocity of all unknowns, stresses, reactions, SI.
-        flows: of each group: rates ``||d||``, shape (m,), or multipliers of its planes, (m, k).
+        flows: for each group: rates ``||d||``, shape (m,), or multipliers of its planes, (m, k).
     """
 
     discretisation: Discretisation
@@ -37,7 +37,7 @@ class Frozen:
 
 
 def frozen(state: LimitState) -> Frozen:
-    """What a state holds fixed while numbers of its problem change."""
+    """Return the variables of a state that are fixed while numbers of its problem change."""
     assert state.point is not None
     velocity = state.point.velocity
     flows = tuple(_flow(group, velocity) for group in state.program.groups)
@@ -45,15 +45,15 @@ def frozen(state: LimitState) -> Frozen:
 
 
 class NotComparableError(Exception):
-    """A change of a number changes which unknowns and contact points there are."""
+    """Raised if a change of a number changes the unknowns or contact points."""
 
 
 def slope(solution: Frozen, at: Callable[[float], Problem], value: float, size: float) -> float:
-    """Derivative of the load factor by a number, central, at frozen variables (T81).
+    """Return the central derivative of the load factor by a number at frozen variables (T81).
 
     Raises:
         InputError: a neighbouring value is not valid.
-        NotComparableError: see there.
+        NotComparableError: the number changes the unknowns or contact points.
     """
     step = _STEP * size
     above, below = (_load_factor(solution, at(value + sign * step)) for sign in (1, -1))
@@ -61,7 +61,7 @@ def slope(solution: Frozen, at: Callable[[float], Problem], value: float, size: 
 
 
 def _load_factor(solution: Frozen, problem: Problem) -> float:
-    """The Lagrangian of a problem, at the variables of another one."""
+    """Return the Lagrangian of a problem at the variables of another one."""
     stated = discretise(problem)
     program, point = stated.full, solution.point
     _require_alike(program, solution.discretisation.full)
@@ -91,7 +91,7 @@ def _load_factor(solution: Frozen, problem: Problem) -> float:
 
 
 def _admissible(stated: Discretisation, solution: Frozen) -> Floats:
-    """The velocity, moved into what supports and rigid members of a problem leave free."""
+    """Return the velocity, projected onto what supports and rigid members of a problem allow."""
     basis, known = stated.free_basis, solution.discretisation.free_basis
     u = solution.point.velocity
     if basis.shape == known.shape and abs(basis - known).nnz == 0:

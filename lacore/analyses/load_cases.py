@@ -1,4 +1,4 @@
-"""`load_cases`: one structure under several loads, and which of them governs."""
+"""`load_cases`: one structure under several loads, and the governing one."""
 
 from __future__ import annotations
 
@@ -45,18 +45,19 @@ _COLUMNS = [
 
 @dataclass(frozen=True, repr=False)
 class LoadCases(Result):
-    """One structure under several loads, and which of them governs.
+    """One structure under several loads, and the governing one.
 
     Attributes:
-        table: a row a case: ``case``, ``status``, ``load_factor`` (inf where it is locked, -inf
-            where the dead loads alone collapse it, 0 where it moves freely, NaN where nothing is
-            certified; of a bracket NaN), ``lower`` and ``upper``, between which every load factor
-            is proven to be (of a continuum that of the continuum; -inf and inf where nothing is),
-            ``rigor``, largest ``residual``, ``seconds``, ``governs``, ``message``.
+        table: one row per case: ``case``, ``status``, ``load_factor`` (inf if it is locked, -inf if
+            the dead loads alone collapse it, 0 if it moves freely, NaN if nothing is certified, and
+            for a bracket), ``lower`` and ``upper``, proven bounds of every load factor (for a
+            continuum those of the continuum; -inf and inf without proof), ``rigor``, largest
+            ``residual``, ``seconds``, ``governs``, ``message``.
         results: `LimitState` or `Bracket` of each case, by name.
-        governing: the case with the least load factor; empty where none is certified.
-        sure: whether it is proven to govern: its ``upper`` is not above the ``lower`` of any other.
-            States of deformable bodies prove no lower bound, nor do states with Coulomb friction.
+        governing: the case with the smallest load factor; empty if none is certified.
+        sure: whether it is proven to govern: its ``upper`` does not exceed the ``lower`` of any
+            other. States of deformable bodies prove no lower bound, nor do states with Coulomb
+            friction.
         solve_time: s, wall clock.
     """
 
@@ -73,7 +74,7 @@ class LoadCases(Result):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Which case governs, whether that is proven, and which cases have failed."""
+        """Findings: the governing case, whether that is proven, and failed cases."""
         failed = {"cases": listed(self.failed)}
         if not self.governing:
             return (Finding(Kind.NO_CASE, values=failed, severity=Severity.WARNING),)
@@ -95,7 +96,7 @@ class LoadCases(Result):
         return self.table[self.table["governs"]].iloc[0]
 
     def facts(self) -> Facts:
-        """Which case governs, and its load factor."""
+        """Return the governing case, and its load factor, for printing."""
         title = f"{counted(len(self.table), 'case')}, none is certified"
         if self.governing:
             row = self._least
@@ -112,11 +113,11 @@ class LoadCases(Result):
         return Facts(title, told, "LoadCases")
 
     def picture(self) -> Picture:
-        """Load factors by case."""
+        """Return load factors by case."""
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Load factors by case: see `lacore.pictures.analyses.plot_load_cases`."""
+        """Plot load factors by case: see `lacore.pictures.analyses.plot_load_cases`."""
         return views.picture(self)
 
 
@@ -132,26 +133,26 @@ def load_cases(
     workers: int = 1,
     on_case: Callable[[str], None] | None = None,
 ) -> LoadCases:
-    """Load factors of a structure under several loads, in one table.
+    """Compute the load factors of a structure under several loads, in one table.
 
-    All cases are stated and assembled before the first is _solved; one that then has no certified
-    load factor is named, and stops no other.
+    All cases are assembled before the first is solved. A case without a certified load factor is
+    reported, and does not stop the others.
 
     Args:
         problem: the structure, with its dead loads.
-        cases: by name the reference loads of each, in place of those of the problem; or a problem
-            where more changes, such as one of `Problem.with_loads`.
-        backend: name of one.
-        coupling: of states, see `lacore.solve`.
-        target_width: of a `lacore.bracket` of each case; None: the state of `lacore.solve`.
-        options: of the backend, for states.
-        workers: cases _solved at a time, of states.
+        cases: reference loads of each case by name, instead of those of the problem; or a problem
+            if more changes, such as one of `Problem.with_loads`.
+        backend: name of a backend.
+        coupling: coupling of states, see `lacore.solve`.
+        target_width: width of a `lacore.bracket` of each case; None: the state of `lacore.solve`.
+        options: options of the backend, for states.
+        workers: number of cases solved at a time, for states.
         on_case: called with the name of each case as it ends, for progress.
 
     Raises:
-        InputError: no case; loads that cannot be, with the name of their case; what `solve` and
-            `bracket` refuse.
-        CapabilityError: the backend is missing, or cannot take a problem.
+        InputError: no case; invalid loads, with the name of their case; anything that `solve` and
+            `bracket` reject.
+        CapabilityError: the backend is missing, or does not support a problem.
 
     Example:
         >>> cases = {
@@ -200,7 +201,7 @@ def load_cases(
 def _stated(
     problem: Problem, cases: Mapping[str, Sequence[Load] | Problem]
 ) -> dict[str, Discretisation]:
-    """All cases, assembled."""
+    """Return all cases, assembled."""
     if not cases:
         raise InputError("cases", cases, "no load case", _BY_NAME)
     stated = {}
@@ -234,7 +235,8 @@ def _of_bracket(name: str, found: Bracket) -> dict[str, Any]:
     above, below = found.upper_bound.state, found.lower_bound
     status, load_factor = found.status.label, np.nan
     lower, upper = found.lower, found.upper
-    # Each by the side that proves it: the other one says so of its own elements, for want of more.
+    # Each status is taken from the bound that proves it, as the other one may follow from its
+    # elements alone.
     if above.status in (Status.UNSAFE, Status.FREE):
         status, load_factor, (lower, upper) = above.status.label, proven_value(above), proven(above)
     elif below.status is Status.LOCKED:
@@ -253,14 +255,14 @@ def _of_bracket(name: str, found: Bracket) -> dict[str, Any]:
 
 
 def _known(table: pd.DataFrame) -> Bools:
-    """Which cases have a load factor, or two that enclose it, shape (cases,)."""
+    """Return which cases have a load factor, or two that enclose it, shape (cases,)."""
     value, lower, upper = (table[name].to_numpy() for name in ("load_factor", "lower", "upper"))
     enclosed = np.isfinite(lower) & np.isfinite(upper) & (lower <= upper)
     return np.asarray(~np.isnan(value) | enclosed)
 
 
 def _sure(table: pd.DataFrame) -> bool:
-    """Whether the case that governs is proven to be the least."""
+    """Return whether the governing case is proven to be the smallest."""
     if not _known(table).all():
         return False
     least, others = table[table["governs"]].iloc[0], table[~table["governs"]]
@@ -273,17 +275,17 @@ def _solved(
     workers: int = 1,
     on_state: Told | None = None,
 ) -> list[LimitState]:
-    """The limit states of problems, in their order.
+    """Return the limit states of problems, in their order.
 
     Args:
-        problems: assembled ones.
+        problems: assembled problems.
         given: further arguments of `lacore.solve`.
-        workers: how many are solved at a time, each by a process of its own. Threads wait for them:
-            so problems need not be pickled, and scripts no guard.
+        workers: number of problems solved at a time, each in a separate process. Threads wait for
+            the processes, so that problems need not be picklable, and scripts need no guard.
         on_state: called with the number and the state of each as it ends.
 
     Raises:
-        InputError: `workers` is no positive whole number; what `lacore.solve` refuses.
+        InputError: `workers` is not a positive whole number; anything that `lacore.solve` rejects.
         CapabilityError: see `lacore.solve`.
     """
     require_count("workers", workers)

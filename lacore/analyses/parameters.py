@@ -1,4 +1,4 @@
-"""The numbers that a problem is stated with, and the problem with one of them changed."""
+"""Numbers of a problem, and the problem with one of them changed."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -24,7 +24,7 @@ from lacore.reporting.errors import is_number
 from lacore.reporting.text import text
 
 Changed = Callable[[Problem, float], Problem]
-_UNITS = {  # of the numbers of materials and of friction; all others are stresses
+_UNITS = {  # units of the numbers of materials and friction; all others are stresses
     **dict.fromkeys(("mu", "rate", "offset", "exponent"), ""),
     **dict.fromkeys(("friction_angle", "dilation_angle"), "deg"),
 }
@@ -33,16 +33,16 @@ STRENGTH, LOAD, PLACE, OWN = "strength", "load", "place", "own"
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a problem.
+    """Number of a problem.
 
     Attributes:
-        name: where it stands in the problem.
-        kind: ``strength``, ``load``, ``place``, or ``own`` of what a user gives.
-        value: as stated; of a load its size.
-        size: what its changes are measured by: the value, of a place the size of its body.
-        at: the problem with another value.
-        unit: of the value, of SI and per unit thickness; ``deg`` of angles, empty of ratios.
-        body: that it belongs to; empty: to none, or to several.
+        name: its name in the problem.
+        kind: ``strength``, ``load``, ``place``, or ``own`` for user-defined ones.
+        value: value in the problem; for a load its size.
+        size: scale of its changes: the value, or for a place the size of its body.
+        at: function that returns the problem with another value.
+        unit: unit of the value, SI and per unit thickness; ``deg`` for angles, empty for ratios.
+        body: its body; empty for none, or for several.
     """
 
     name: str
@@ -55,7 +55,7 @@ class Parameter:
 
 
 def parameters_of(problem: Problem) -> list[Parameter]:
-    """All numbers of a problem that a load factor can be differentiated by."""
+    """Return all numbers of a problem by which a load factor can be differentiated."""
     found = []
     for name, body in problem.bodies.items():
         for field, thing, plain in _strong(body):
@@ -81,7 +81,7 @@ def parameters_of(problem: Problem) -> list[Parameter]:
 
 
 def without_parameter(problem: Problem) -> tuple[str, ...]:
-    """What the table leaves out, and why, for the message."""
+    """Return what the table leaves out, and why, for the message."""
     loads = [load.told for load in problem.loads.values() if size_of(load) is None]
     return (
         *(text("{} (no single size)", told) for told in loads),
@@ -91,7 +91,7 @@ def without_parameter(problem: Problem) -> tuple[str, ...]:
 
 @singledispatch
 def _strong(body: AnyBody) -> Iterator[tuple[str, Any, str]]:
-    """What of a body is strong: the name of its field, and the unit of numbers that it holds."""
+    """Yield the strengths of a body: the name of the field, and the unit of its numbers."""
     raise TypeError(type(body).__name__)
 
 
@@ -115,7 +115,7 @@ def _members(body: Frame) -> Iterator[tuple[str, Any, str]]:
 
 
 _Number = tuple[str, float, str, Callable[[float], Any]]
-"""A number: where it is, value, unit, and the thing with another value there."""
+"""Number: its name, value, unit, and a function that returns the thing with another value."""
 
 
 def _numbers(thing: Any, unit: str = "") -> Iterator[_Number]:
@@ -124,7 +124,7 @@ def _numbers(thing: Any, unit: str = "") -> Iterator[_Number]:
         yield "", float(thing), unit, lambda value: value
     elif isinstance(thing, Section):
         yield from _in_section(thing)
-    elif isinstance(thing, Field):  # not how steep it is at most, which is no strength
+    elif isinstance(thing, Field):  # The steepest slope is not a strength.
         yield " (factor)", float(thing.factor), "", lambda value: thing * (value / thing.factor)
     elif isinstance(thing, Mapping):
         for key, own in thing.items():
@@ -154,7 +154,7 @@ def _in_fields(thing: Any) -> Iterator[_Number]:
 
 
 def _stronger(section: Section, size: float) -> Callable[[float], Section]:
-    """A section whose moments and forces grow alike."""
+    """Return a section whose moments and forces are scaled together."""
 
     def changed(value: float) -> Section:
         factor = value / size
@@ -205,13 +205,13 @@ def _of_load(attribute: str, index: int, size: float) -> Changed:
 
 
 def size_of(load: Load) -> float | None:
-    """Size of a load; None of water, which has no single one."""
+    """Return the size of a load; None for water, which has no single one."""
     return None if isinstance(load, PorePressure | StandingWater) else load.size
 
 
 @singledispatch
 def unit_of(load: Load, bodies: Mapping[str, AnyBody]) -> str:
-    """The unit of the size of a load: of a pressure, if it is no other one."""
+    """Return the unit of the size of a load: a pressure, unless it is of another kind."""
     return "Pa"
 
 
@@ -237,6 +237,6 @@ def _of_weight(load: BodyForce, bodies: Mapping[str, AnyBody]) -> str:
 
 
 def times(load: Load, factor: float) -> Load:
-    """A load that has a size, with another one."""
+    """Return a load with another size."""
     assert not isinstance(load, PorePressure | StandingWater)
     return load.times(factor)

@@ -1,4 +1,4 @@
-"""Where forces act and supports hold, as numbers of a problem that can be changed."""
+"""Places of forces and supports, as numbers of a problem that can be changed."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -13,20 +13,20 @@ from lacore.model.conditions.loads import Load, PointForce
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats
 
-_STRAIGHT = 1e-6  # sine of an angle between members that count as one line
+_STRAIGHT = 1e-6  # sine of the angle between members on one line
 _AXES = [("x", np.array([1.0, 0.0])), ("y", np.array([0.0, 1.0]))]
 
 
 @dataclass(frozen=True)
 class Place:
-    """A coordinate that can be changed.
+    """Coordinate that can be changed.
 
     Attributes:
-        name: of it.
-        value: m; along a member the distance moved, 0.
-        size: of the body, m.
-        at: the problem with another value.
-        body: that it is of.
+        name: its name.
+        value: m; for a movement along a member 0.
+        size: size of the body, m.
+        at: function that returns the problem with another value.
+        body: name of the body.
     """
 
     name: str
@@ -37,11 +37,11 @@ class Place:
 
 
 def places(problem: Problem) -> Iterator[Place]:
-    """Of forces on blocks their coordinates; of nodes of frames that are held or loaded, too.
+    """Yield the coordinates of forces on blocks, and of held or loaded nodes of frames.
 
-    A node inside a straight line of members moves along it only: beside it members, which are
-    inextensible, would lock each other. On meshes forces act at vertices, and supports along edges:
-    where these are is a matter of the mesh.
+    A node inside a straight line of members moves along it only: off the line, inextensible members
+    would lock each other. On meshes forces act at vertices, and supports along edges, whose places
+    depend on the mesh.
     """
     blocks = rigid_blocks(problem.bodies)
     for attribute in ("reference_loads", "dead_loads"):
@@ -60,7 +60,7 @@ def places(problem: Problem) -> Iterator[Place]:
 
 
 def fixed_places(problem: Problem) -> Iterator[str]:
-    """Coordinates of held or loaded nodes that have to keep members straight, for the message."""
+    """Yield coordinates of held or loaded nodes that must keep members straight, for a message."""
     for body, frame in of_kind(problem.bodies, Frame).items():
         for node, what in _marked(problem, body, frame).items():
             free = len(_directions(frame, node))
@@ -80,7 +80,7 @@ def _of_force(attribute: str, index: int, axis: int) -> Callable[[Problem, float
 
 
 def _marked(problem: Problem, body: str, frame: Frame) -> dict[str, str]:
-    """Nodes of a frame that are held or loaded, and which of it."""
+    """Return the held or loaded nodes of a frame, with the support or load."""
     found: dict[str, str] = {}
     for support in problem.supports:
         if support.body == body:
@@ -95,7 +95,7 @@ def _marked(problem: Problem, body: str, frame: Frame) -> dict[str, str]:
 
 @singledispatch
 def _loaded_node(load: Load, frame: Frame) -> str | None:
-    """The node of a frame that a force acts at; None of other loads."""
+    """Return the node of a frame that a force acts at; None for other loads."""
     return None
 
 
@@ -106,9 +106,10 @@ def _at(load: PointForce, frame: Frame) -> str:
 
 
 def _directions(frame: Frame, node: str) -> list[tuple[str, Floats]]:
-    """In which a node can move: along its members where it has to keep them straight, else x, y.
+    """Return the directions in which a node can move: along its members, else x, y.
 
-    Of several members at a node those have to stay straight that other nodes divide, if any is.
+    Members must remain straight if other nodes divide them, or if any member at the node is
+    divided.
     """
     number, pieces = frame.names.index(node), frame.pieces
     here = (pieces.start == number) | (pieces.end == number)

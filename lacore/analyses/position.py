@@ -1,4 +1,4 @@
-"""`worst_position`: where a moving load is carried least."""
+"""`worst_position`: the position of a moving load with the smallest load factor."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ from lacore.reporting.status import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LEAST = 3  # positions that a minimum takes
-_MINIMA = 3  # of the scan that are refined, the lowest ones
+_LEAST = 3  # number of positions that a minimum needs
+_MINIMA = 3  # number of the lowest minima of the scan that are refined
 
 
 @dataclass(frozen=True, repr=False)
 class WorstPosition(Result):
-    """The position with the least load factor that was found.
+    """Position with the smallest load factor that was found.
 
-    The load factor there is certified. That there is none lower at a position that was not asked is
-    not proven: `spacing` says how near to each other those were.
+    The load factor there is certified. It is not proven that there is no smaller one at other
+    positions: `spacing` is the distance of the computed positions.
 
     Attributes:
-        position: of the load; NaN where none is certified.
-        load_factor: there: -inf where the dead loads alone collapse the structure, inf where every
-            position is locked; NaN where none is certified.
-        state: there; None where none is certified, or supports take the load everywhere.
-        spacing: of the positions of the scan.
-        table: a row a position that was asked, in order; see `Critical.table`.
+        position: position of the load; NaN if none is certified.
+        load_factor: load factor there: -inf if the dead loads alone collapse the structure, inf if
+            every position is locked; NaN if none is certified.
+        state: state there; None if none is certified, or supports take the load everywhere.
+        spacing: spacing of the positions of the scan.
+        table: one row per computed position, in order; see `Critical.table`.
         solve_time: s, wall clock.
     """
 
@@ -60,7 +60,7 @@ class WorstPosition(Result):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What is certified, and what is not."""
+        """Findings on what is certified, and what is not."""
         if np.isnan(self.load_factor):
             return (Finding(Kind.NO_POSITION),)
         values = {"count": len(self.table), "spacing": self.spacing}
@@ -71,7 +71,7 @@ class WorstPosition(Result):
         return lowest, Finding(Kind.NOT_CERTIFIED_AT, values={"places": places})
 
     def facts(self) -> Facts:
-        """The position, and what is proven of it."""
+        """Return the position, and what is proven, for printing."""
         told = {"status": self.message}
         if self.state is not None and self.state.certificate is not None:
             told["residual"] = self.state.certificate.summary
@@ -80,11 +80,11 @@ class WorstPosition(Result):
         return Facts(title, told)
 
     def picture(self) -> Picture:
-        """Load factors along the way."""
+        """Return load factors by position."""
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Load factors: see `lacore.pictures.analyses.plot_worst_position`."""
+        """Plot load factors: see `lacore.pictures.analyses.plot_worst_position`."""
         return views.picture(self)
 
 
@@ -100,30 +100,31 @@ def worst_position(
     options: Mapping[str, Any] | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> WorstPosition:
-    """Where a moving load, or any other parameter, has the least load factor.
+    """Search for the position of a moving load, or other parameter, with the smallest load factor.
 
-    Positions at equal distances are asked first, then the lowest minima among them are refined by
+    Equally spaced positions are computed first, then the lowest minima among them are refined by
     bounded minimisation between their neighbours.
 
     Args:
-        problem_at: the problem with the load at a position.
-        within: where it moves, (low, high).
-        scan: positions that are asked first, at least 3.
-        tolerance: of a minimum, per the distance that the load moves.
+        problem_at: function that returns the problem with the load at a position.
+        within: range of positions, (low, high).
+        scan: number of positions that are computed first, at least 3.
+        tolerance: tolerance of a minimum, by the range of positions.
         backend, coupling, options: see `lacore.solve`.
         on_value: called with each position and its load factor, for progress.
 
     Raises:
-        InputError: a range that is none, too few positions; a problem that cannot be, with its
-            position; what `solve` refuses.
-        CapabilityError: the backend is missing, or cannot take a problem.
+        InputError: an invalid range, too few positions; an invalid problem, with its position;
+            anything that `solve` rejects.
+        CapabilityError: the backend is missing, or does not support a problem.
 
     Example:
         >>> found = la.worst_position(la.examples.beam, within=(0.5, 3.5), scan=7)
         >>> round(found.position, 2), round(found.load_factor, 2)  # 8 M/L at its middle
         (2.0, 2.0)
     """
-    from scipy.optimize import minimize_scalar  # takes 0.3 s to load; most solves do not need it
+    # imported here because it takes 0.3 s to load; most solves do not need it
+    from scipy.optimize import minimize_scalar
 
     begin = time.perf_counter()
     low, high = read_range(within)
@@ -166,7 +167,7 @@ def worst_position(
 
 
 def _minima(values: Floats) -> list[int]:
-    """The lowest places that no neighbour is below of; those without a number count as high."""
+    """Return the lowest places without a lower neighbour; places without a number count as high."""
     known = np.where(np.isnan(values), inf, values)
     padded = np.concatenate([[inf], known, [inf]])
     lowest = (known <= padded[:-2]) & (known <= padded[2:]) & np.isfinite(known)
@@ -175,6 +176,6 @@ def _minima(values: Floats) -> list[int]:
 
 
 def _above(values: Floats) -> float:
-    """More than any load factor of the scan."""
+    """Return a value above any load factor of the scan."""
     finite = values[np.isfinite(values)]
     return float(finite.max() + np.ptp(finite) + 1.0) if finite.size else 1.0

@@ -1,4 +1,4 @@
-"""The load factor of a state as one number, its error, and proven bounds."""
+"""Load factor of a state as one number, its error, and proven bounds."""
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def proven(state: LimitState) -> tuple[float, float]:
         return -np.inf, np.inf
     value = state.load_factor
     near = error(state)
-    if excess(state) > 0:  # members under line loads: by the tolerance at most
+    if excess(state) > 0:  # members under line loads: at most by the tolerance
         near = max(near, 2 * state.tolerance * abs(value))
     lower = value - near if below and normal else -np.inf
     return lower, value + near if state.rigor is Rigor.UPPER else np.inf

@@ -1,4 +1,4 @@
-"""`sensitivity`: what the load factor depends on, and how much (T81)."""
+"""`sensitivity`: derivatives of the load factor by its parameters (T81)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 ENVELOPE, DIFFERENCES = "multipliers", "differences"
 _METHODS = {ENVELOPE: Kind.BY_MULTIPLIERS, DIFFERENCES: Kind.BY_DIFFERENCES}
-_NAMED = 6  # parameters that a finding names; others are counted
+_NAMED = 6  # number of parameters that a finding names; others are counted
 _COLUMNS = [
     *("parameter", "kind", "value", "unit", "body", "derivative", "elasticity", "left", "right"),
     *("unique", "method", "why"),
@@ -38,20 +38,20 @@ _COLUMNS = [
 
 @dataclass(frozen=True, repr=False)
 class Sensitivity(Result):
-    """Derivatives of a load factor by the numbers that its problem is stated with.
+    """Derivatives of a load factor by the numbers of its problem.
 
     Attributes:
-        state: that was asked.
-        table: a row a parameter, what matters most first: ``parameter``, ``kind`` (``strength``,
-            ``load``, ``place``, ``own``), ``value`` (of a load its size, of a node of a frame how
-            far it is moved) and its ``unit`` (SI, angles in degrees), the ``body`` that it is of,
-            ``derivative`` of the load factor by it,
-            ``elasticity``, that times the value over the load factor: per cent for each per cent
-            (of a place the size of its body stands for the value); ``left`` and ``right``, the
-            one-sided derivatives, which differ where it is not ``unique`` and has none;
-            ``method``: ``multipliers`` or ``differences``; ``why`` there is none, or empty.
+        state: the state.
+        table: one row per parameter, the most important first: ``parameter``, ``kind``
+            (``strength``, ``load``, ``place``, ``own``), ``value`` (for a load its size, for a node
+            of a frame how far it is moved) and its ``unit`` (SI, angles in degrees), its ``body``,
+            ``derivative`` of the load factor by it, ``elasticity``, that times the value divided by
+            the load factor: per cent for each per cent (for a place with the size of its body as
+            value); ``left`` and ``right``, the one-sided derivatives, which differ if it is not
+            ``unique`` and has none; ``method``: ``multipliers`` or ``differences``; ``why`` there
+            is none, or empty.
         left_out: loads and positions that are not in the table, each with the reason.
-        solves: more ones that were made, to see whether derivatives are unique.
+        solves: number of additional solves, which test whether derivatives are unique.
         solve_time: s, wall clock.
     """
 
@@ -63,7 +63,7 @@ class Sensitivity(Result):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """How derivatives were computed, and which parameters have none."""
+        """Findings on how derivatives were computed, and which parameters have none."""
         table = self.table
         one_sided = ~table["unique"] & (table["why"] == "")
         found = [Finding(_METHODS[name]) for name in dict.fromkeys(table["method"])]
@@ -77,7 +77,7 @@ class Sensitivity(Result):
         return tuple(found)
 
     def facts(self) -> Facts:
-        """What matters most."""
+        """Return the most important parameters, for printing."""
         told = {"status": self.message}
         most = self.table.dropna(subset="elasticity").head(3)
         rows = zip(most["parameter"], most["elasticity"], strict=True)
@@ -87,11 +87,11 @@ class Sensitivity(Result):
         return Facts(f"{title} {counted(len(self.table), 'parameter')}", told)
 
     def picture(self) -> Picture:
-        """Elasticities."""
+        """Return elasticities."""
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Elasticities: see `lacore.pictures.analyses.plot_sensitivity`."""
+        """Plot elasticities: see `lacore.pictures.analyses.plot_sensitivity`."""
         return views.picture(self)
 
 
@@ -106,7 +106,7 @@ def sensitivity(
     state: LimitState,
     own: Mapping[str, tuple[Callable[[float], Problem], float]] | None = None,
 ) -> Sensitivity:
-    """How much a load factor depends on each strength, friction, weight, load and place (T81).
+    """Compute derivatives of a load factor by strengths, friction, weights, loads, places (T81).
 
     If flow and friction are associated, the multipliers of the state give the derivatives without a
     solve (envelope theorem). A few more solves at neighbouring values show whether mechanisms are
@@ -115,14 +115,15 @@ def sensitivity(
     differences of certified load factors on both sides, which take four solves per parameter.
 
     Args:
-        state: solved, of an exact backend.
-        own: more parameters by name: the problem at a value, and the value of the state: a span,
-            or a width, whose meshes and members change with it but not in number.
+        state: solved state of an exact backend.
+        own: further parameters by name: a function that returns the problem at a value, and the
+            value of the state, such as a span or a width; meshes and members may change with it,
+            but not in number.
 
     Raises:
         InputError: a state without a certified load factor, of a regularised backend, or of a
-            coupling that answers another problem; one whose mechanism carries a range of load
-            factors; own parameters that state another problem.
+            coupling that solves another problem; one whose mechanism carries a range of load
+            factors; own parameters whose problem differs.
         CapabilityError: the backend is missing.
 
     Example:
@@ -150,7 +151,7 @@ def sensitivity(
         [_row(*pair, state.load_factor) for pair in zip(parameters, rows, strict=True)],
         columns=_COLUMNS,
     )
-    # As objects: a column of plain text would lose the quantities of the names.
+    # Objects, because a column of plain text would lose the quantities of the names.
     table["parameter"] = pd.Series([own.name for own in parameters], dtype=object)
     order = table["elasticity"].abs().sort_values(ascending=False, na_position="last").index
     return Sensitivity(
@@ -181,7 +182,7 @@ def _row(parameter: Parameter, found: Mapping[str, Any], load_factor: float) -> 
 def _given(
     own: Mapping[str, tuple[Callable[[float], Problem], float]], state: LimitState
 ) -> list[Parameter]:
-    """Parameters of a user."""
+    """Return the parameters of a user."""
     found = []
     for name, pair in own.items():
         field = f"own[{name!r}]"
@@ -236,10 +237,10 @@ def _check(state: LimitState) -> None:
 
 
 def _require_one(state: LimitState) -> None:
-    """Raise `InputError` where differences of load factors would show no derivative.
+    """Raise `InputError` if differences of load factors would not give derivatives.
 
     The mechanism of a Coulomb state may carry a range of them, and states of soils may be certified
-    to a bar that is no finer than what is looked for.
+    with a tolerance that is too large.
     """
     worst = np.nan if state.certificate is None else state.certificate.worst[1]
     if not worst <= TOLERANCE:

@@ -1,4 +1,4 @@
-"""`stable`: whether a structure stands under its dead loads alone."""
+"""`stable`: stability of a structure under its dead loads alone."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ _STATUS = {
 
 @dataclass(frozen=True, repr=False)
 class Stable(Shown):
-    """Whether a structure stands under its dead loads alone, with the proof.
+    """Stability of a structure under its dead loads alone, with the proof.
 
     Attributes:
         stands: True, with stresses and reactions that carry the dead loads; False, with a mechanism
-            that they drive; None where neither is proven.
-        stability: the proof, and which load factors of the reference loads are carried.
-        state: what there is to look at: where it stands the stresses and reactions under the dead
-            loads, nothing moves; where it falls the mechanism, at ``Fd.u = 1``; where neither is
-            proven what the discrete problem has of both, if anything.
+            that they drive; None without a proof.
+        stability: the proof, and the range of load factors of the reference loads that are carried.
+        state: state for pictures: if it stands, the stresses and reactions under the dead loads,
+            without motion; if it collapses, the mechanism at ``Fd.u = 1``; without a proof, both of
+            the discrete problem, if available.
     """
 
     stands: bool | None
@@ -58,11 +58,11 @@ class Stable(Shown):
     state: LimitState
 
     def __bool__(self) -> bool:
-        """Whether it is proven to stand."""
+        """Return whether it is proven to stand."""
         return self.stands is True
 
     def facts(self) -> Facts:
-        """What is proven, and how well."""
+        """Return what is proven, with residuals, for printing."""
         told = {"residual": f"largest {self.stability.residual:.1e}"}
         if self.stability.why:
             told["why"] = self.stability.why
@@ -72,13 +72,13 @@ class Stable(Shown):
         return Facts(f"Stable: {standing.label}: {standing.value}", told)
 
     def picture(self) -> Picture:
-        """The mechanism, or what carries; where neither is proven the problem."""
+        """Return the mechanism, or the stresses; without a proof the problem."""
         if self.state.point is None:
             return Picture(self.state.discretisation.problem.plot(), "the problem: undecided")
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """See `lacore.pictures.analyses.plot_stable`."""
+        """Plot the proof: see `lacore.pictures.analyses.plot_stable`."""
         return views.picture(self)
 
 
@@ -90,22 +90,22 @@ def stable(
     tolerance: float = 1e-6,
     options: Mapping[str, Any] | None = None,
 ) -> Stable:
-    """Whether a structure stands under its dead loads alone: proven either way, or None.
+    """Determine whether a structure stands under its dead loads alone: proven, or None.
 
-    That it stands means that stresses within all strengths and reactions within all friction cones
-    carry the dead loads; with friction that is not associated they need not be those that there are
-    (T14b). Where it falls no friction of these coefficients can hold it, and no pressures up to the
-    strength of joints that crush. Deformable bodies stand by stresses of a `lacore.lower_bound`, in
-    balance in each element: where those of the mesh carry less than the dead loads, refine it.
+    It stands if stresses within all strengths and reactions within all friction cones carry the
+    dead loads; with non-associated friction they need not be the actual ones (T14b). If it
+    collapses, no friction with these coefficients can hold it, and no pressures up to the strength
+    of joints that crush. Deformable bodies stand by stresses of a `lacore.lower_bound`, in
+    equilibrium in each element: if those of the mesh carry less than the dead loads, refine it.
 
     Args:
-        problem: with dead loads; its reference loads do not act.
-        backend, options: an exact one.
-        tolerance: bar for the residuals of either proof.
+        problem: problem with dead loads; its reference loads do not act.
+        backend, options: an exact backend.
+        tolerance: tolerance for the residuals of either proof.
 
     Raises:
-        InputError: no dead loads; what `lacore.discretise` refuses.
-        CapabilityError: the backend is missing, or cannot take the problem.
+        InputError: no dead loads; anything that `lacore.discretise` rejects.
+        CapabilityError: the backend is missing, or does not support the problem.
 
     Example:
         >>> bool(la.stable(la.examples.column()))  # it stands under its weight alone
@@ -164,10 +164,10 @@ def _not_of_the_continuum(
     backend: str,
     options: Mapping[str, Any],
 ) -> Finding | None:
-    """Return why it is not proven of deformable bodies, as one mesh may prove less; else None.
+    """Return why it is not proven for deformable bodies, as one mesh may prove less; else None.
 
-    Equilibrium with these is none in each element, and flow in some spaces dissipates more than
-    their points say. All dead loads together are carried from zero up to their load factor.
+    Their discrete equilibrium is not that of each element, and in some spaces flow dissipates more
+    than at their points. All dead loads together are carried from zero up to their load factor.
     """
     sure = standing is Standing.FALLS and strict_bound(discretisation)
     if not discretisation.continua or standing is Standing.UNDECIDED or sure:
@@ -195,7 +195,7 @@ def _not_of_the_continuum(
 
 @typed()
 def require_dead_loads(problem: Problem) -> None:
-    """Raise `InputError` where nothing acts but what a load factor multiplies."""
+    """Raise `InputError` if there are only loads that a load factor multiplies."""
     if not problem.dead_loads:
         raise InputError(
             "Problem.dead_loads",

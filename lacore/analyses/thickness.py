@@ -1,4 +1,4 @@
-"""`limit_thickness`: the parameter at which a structure just stands under its dead loads (T80)."""
+"""`limit_thickness`: the parameter at which a structure just stands under dead loads (T80)."""
 
 from __future__ import annotations
 
@@ -32,24 +32,24 @@ def limit_thickness(
     options: Mapping[str, Any] | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> Critical:
-    """The thickness, or any other parameter, at which a structure just stands by itself (T80).
+    """Compute the thickness, or other parameter, at which a structure just stands (T80).
 
-    A load factor of the weights says nothing of what has no strength but friction: it is 0 or
-    endless. So all joints are closed by one pressure, and opened by another, alike: where the
-    structure stands it takes more to open it than what closes it, and where it falls less. On which
-    side it is reactions prove at one end, a mechanism that the dead loads drive at the other. What
-    has no joints, or frames on them, is asked for the factor of its dead loads, which is to be 1,
-    too.
+    A load factor of the weights does not help if friction is the only strength: it is 0 or
+    infinite. All joints are therefore closed by one pressure, and opened by another one: if the
+    structure stands, it takes more to open it than the closing pressure, and if it collapses, less.
+    Reactions prove the side at one end, and a mechanism driven by the dead loads at the other.
+    Without joints, or with frames on them, the condition is that the load factor of its dead loads
+    is 1.
 
     Args:
-        problem_at: the problem at a value; its dead loads act alone.
-        within: where it is looked for, (low, high).
+        problem_at: function that returns the problem at a value; its dead loads act alone.
+        within: range of the search, (low, high).
         tolerance, scan, on_value: see `critical`.
         backend, options: see `lacore.solve`.
 
     Raises:
-        InputError: a range that is none; no dead loads; a problem that cannot be, with its value.
-        CapabilityError: the backend is missing, or cannot take a problem.
+        InputError: an invalid range; no dead loads; an invalid problem, with its value.
+        CapabilityError: the backend is missing, or does not support a problem.
 
     Example:
         >>> def arch(thickness):
@@ -75,16 +75,16 @@ def limit_thickness(
 
 
 def _touching(stated: Discretisation) -> bool:
-    """Whether joints are opened by a pressure.
+    """Return whether joints are opened by a pressure.
 
-    Beside frames they are not: hinges under loads along members are looked for in the problem as it
-    is stated (`lacore.limit.hinging`).
+    With frames they are not: hinges under loads along members are located in the original problem
+    (`lacore.limit.hinging`).
     """
     return stated.program.contact.count > 0 and not stated.frames
 
 
 def _opened(problem: Problem) -> Discretisation:
-    """The structure with a pressure that closes all contact, and one that opens it to refer to."""
+    """Return the structure with a dead pressure that closes all contact, and one that opens it."""
     require_dead_loads(problem)
     stated = discretise(problem)
     if not _touching(stated):
@@ -104,6 +104,6 @@ def _opening(program: KinematicProgram, pressure: float) -> KinematicProgram:
 
 
 def _by_itself(problem: Problem) -> Discretisation:
-    """The structure with its dead loads as reference loads."""
+    """Return the structure with its dead loads as reference loads."""
     require_dead_loads(problem)
     return discretise(replace(problem, reference_loads=problem.dead_loads, dead_loads=()))

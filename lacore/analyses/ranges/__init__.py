@@ -1,1 +1,1 @@
-"""Which Coulomb load factors there are: ranges of blocks and of continua (T14)."""
+"""Ranges of load factors that are not unique, of blocks and continua (T14)."""

@@ -20,12 +20,12 @@ from lacore.reporting.status import Rigor
 
 @dataclass(frozen=True, repr=False)
 class ContinuumRange(Compact):
-    """Two load factors with every Coulomb one of the continuum between them.
+    """Two bounds of all Coulomb load factors of the continuum.
 
     Attributes:
         lower, upper: strict bounds of the problem without Coulomb friction and of that with
-            associated friction; -inf and inf where there is none.
-        missing: Why there is none; empty where there are both.
+            associated friction; -inf and inf without a bound.
+        missing: Why a bound is missing; empty if there are both.
     """
 
     lower: float
@@ -39,16 +39,16 @@ def continuum_range(
     options: Mapping[str, Any],
     target_width: float | None,
 ) -> ContinuumRange:
-    """Bounds on the mesh of the problem, or on meshes refined to a target, see `lacore.bracket`.
+    """Return bounds on the mesh of the problem, or on refined meshes, see `lacore.bracket`.
 
     Args:
         stated: a problem with deformable bodies.
-        backend: name of an exact one.
-        options: of the backend, for bounds on the mesh of the problem.
-        target_width: of ``(upper - lower)/mean``; None: no refinement.
+        backend: name of an exact backend.
+        options: options of the backend, for bounds on the mesh of the problem.
+        target_width: value of ``(upper - lower)/mean``; None: no refinement.
 
     Raises:
-        InputError: a target that no bracket of this problem can be made for.
+        InputError: a target for a problem without a bracket.
     """
     if stated.points.obstacles or not stated.program.homogeneous:
         return ContinuumRange(-inf, inf, (Finding(Kind.STEP_OF_PATH),))
@@ -58,7 +58,7 @@ def continuum_range(
         found = bracket(stated.problem, target_width, backend=backend)
         ends = _strict(found.lower_bound), _strict(found.upper_bound)
         if found.status is Ending.CROSSED:
-            ends = -inf, inf  # one of them is none
+            ends = -inf, inf  # One of them is missing.
         both = ends[0] > -inf and ends[1] < inf
         return ContinuumRange(*ends, () if both else found.failures or (_NOT_STRICT,))
     lower, upper, missing = -inf, inf, list[Finding]()
@@ -87,7 +87,7 @@ def _none(side: str, why: Finding | str) -> Finding:
 
 
 def _strict(bound: LowerBound | UpperBound) -> float:
-    """Load factor of a bound of the continuum; else what bounds nothing."""
+    """Return the load factor of a strict bound of the continuum, else an infinite one."""
     if isinstance(bound, LowerBound):
         return bound.load_factor if bound.rigor is Rigor.LOWER else -inf
     return bound.load_factor if bound.rigor is Rigor.UPPER else inf

@@ -1,4 +1,4 @@
-"""`coulomb_range`: the lowest and the highest Coulomb load factor that can be certified (T14b)."""
+"""`coulomb_range`: the lowest and the highest certified Coulomb load factor (T14b)."""
 
 from __future__ import annotations
 
@@ -64,30 +64,31 @@ def coulomb_range(
 ) -> LoadFactorRange:
     """Search for the lowest and the highest Coulomb load factor (T14b).
 
-    A row of `LoadFactorRange.states` is a certified state: its ``restart``, its ``origin`` (of what
-    reactions it settled: of the ``certified`` state of `solve`, the ``associated`` one, a
-    ``continuation`` in friction, the ``low end`` or ``high end`` of the state before; or at the end
-    of a central ``path`` of blocks in space), ``low`` and ``high`` load factor of its mechanism,
-    what each end proves (`EndStatus`), the largest ``residual`` of both ends, ``solves`` so far.
+    A row of `LoadFactorRange.states` is a certified state: its ``restart``, its ``origin`` (the
+    reactions at the start of its loop: of the ``certified`` state of `solve`, the ``associated``
+    one, a ``continuation`` in friction, the ``low end`` or ``high end`` of the last state; or of a
+    central ``path`` of three-dimensional blocks), ``low`` and ``high`` load factor of its
+    mechanism, the status of each end (`EndStatus`), the largest ``residual`` of both ends,
+    ``solves`` so far.
 
     Args:
         problem: the problem, or its discretisation.
-        backend: an exact one.
-        seed: of the random shaking of reactions; the same seed finds the same states.
-        restarts: further searches from shaken reactions, after the one from those of the associated
-            problem; of blocks in space each follows three central paths (T79).
-        tolerance: bar for the residuals of every state.
-        target_width: of ``(upper - lower)/mean`` of the bounds of the continuum, to which meshes of
-            their own are refined, see `lacore.bracket`. None: bounds on the mesh of the problem.
+        backend: name of an exact backend.
+        seed: seed of random changes of reactions; the same seed finds the same states.
+        restarts: number of further searches from changed reactions, after the one from those of the
+            associated problem; for three-dimensional blocks each follows three central paths (T79).
+        tolerance: tolerance for the residuals of every state.
+        target_width: value of ``(upper - lower)/mean`` for the bounds of the continuum, on separate
+            refined meshes, see `lacore.bracket`. None: bounds on the mesh of the problem.
         time_limit: s, wall clock, from the beginning: the search stops at the first inner solve
-            that ends after it, with what it has found.
-        options: of the backend, by name.
+            that ends after it, with its present results.
+        options: options of the backend, by name.
         on_progress: called with the row of each certified state as it is found.
 
     Raises:
         InputError: an unknown name, an option out of range; a target width for a problem that
-            `lacore.bracket` refuses.
-        CapabilityError: the backend is missing, regularised, or cannot take the problem.
+            `lacore.bracket` rejects.
+        CapabilityError: the backend is missing, regularised, or does not support the problem.
 
     Example:
         >>> found = la.coulomb_range(la.examples.column(friction=0.3))
@@ -107,7 +108,7 @@ def coulomb_range(
     if problem.scope is Scope.DISCRETE:
         continuum = continuum_range(problem, backend, options or {}, target_width)
     first = solve(problem, backend, CERTIFIED, tolerance=tolerance, options=options)
-    problem = first.discretisation  # with the nodes where members under line loads hinge
+    problem = first.discretisation  # with the nodes at which members under line loads hinge
     limits = _Limits(seed, restarts, tolerance, time_limit, begin + time_limit)
     found = _searched(first, engine, read_options(engine, options or {}), limits, on_progress)
     ends = _ends(found, first, backend, options or {}, tolerance, clock)
@@ -150,7 +151,7 @@ def _check_flow(problem: Discretisation) -> None:
 
 @dataclass(frozen=True)
 class _Limits:
-    """How far a search goes; `end` is that of `time.perf_counter`."""
+    """Limits of a search; `end` is a time of `time.perf_counter`."""
 
     seed: int
     restarts: int
@@ -161,14 +162,14 @@ class _Limits:
 
 @dataclass(frozen=True)
 class _Mechanisms:
-    """What a search has found.
+    """Results of a search.
 
     Attributes:
         best: the mechanism that reaches furthest on each side.
         bracket: proven bounds of all load factors (T14), SI units.
-        rows: one a certified state.
-        solves: inner solves.
-        stop: why it ended early; None where it did not.
+        rows: one row per certified state.
+        solves: number of inner solves.
+        stop: why it ended early; None if it did not.
     """
 
     best: Mapping[float, CertifiedMechanism]
@@ -185,7 +186,7 @@ def _searched(
     limits: _Limits,
     on_progress: Callable[[Mapping[str, Any]], None] | None,
 ) -> _Mechanisms:
-    """Search from the state that `solve` has found, and from associated reactions."""
+    """Search from the state of `solve`, and from associated reactions."""
     problem, tolerance = first.discretisation, limits.tolerance
     program, scale = dimensionless(problem.program, problem.natural), problem.natural.load_factor
     rows: list[dict[str, Any]] = []
@@ -200,9 +201,10 @@ def _searched(
     with closing(prepare(program)) as solver:
         bounds, admissible = coulomb_bounds(program, solver, tolerance)
         if first.status is Status.UNSAFE:
-            bounds = (-np.inf, np.inf)  # of none, whatever a locked program says
+            bounds = (-np.inf, np.inf)  # A locked program has no load factor.
         if driven_corners(problem, None, tolerance):
-            bounds = (bounds[0], np.inf)  # contact at corners, which no program has, may carry more
+            # Contact at corners, which is not in the program, may carry more.
+            bounds = (bounds[0], np.inf)
         search = Search(
             program=program,
             solver=solver,
@@ -240,7 +242,7 @@ def _ends(
     tolerance: float,
     clock: SolveClock,
 ) -> list[LimitState]:
-    """Return the lowest and the highest state, judged; empty where nothing is certified."""
+    """Return the lowest and the highest state with certificates; empty if nothing is certified."""
     problem = first.discretisation
     program, scale = dimensionless(problem.program, problem.natural), problem.natural.load_factor
     ends = []
@@ -257,7 +259,7 @@ def _ends(
 
 
 def _without(first: LimitState) -> NoState:
-    """Return what is reported where nothing is certified."""
+    """Return the report for a range without certified states."""
     solved = first.status is Status.SOLVED
     return NoState(Status.NOT_CERTIFIED if solved else first.status, first.findings, first.ray)
 
@@ -276,14 +278,14 @@ def _row(found: CertifiedMechanism, scale: float) -> dict[str, Any]:
 
 
 def _outward(side: float, load_factor: float, first: LimitState) -> float:
-    """An end, and no nearer by round-off than the certified state that the search began with."""
+    """Return an end, no closer by round-off than the certified state at which the search began."""
     if first.status is not Status.SOLVED:
         return load_factor
     return side * max(side * load_factor, side * first.load_factor)
 
 
 def _with_known(bracket: tuple[float, float], first: LimitState) -> tuple[float, float]:
-    """Bounds with those that the first solve found, where it searched for a state."""
+    """Return the bounds combined with those of the first solve, if it searched for a state."""
     if first.bracket is None or first.status not in _SEARCHED:
         return bracket
     return max(bracket[0], first.bracket[0]), min(bracket[1], first.bracket[1])

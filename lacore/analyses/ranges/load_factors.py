@@ -1,4 +1,4 @@
-"""The result of a search for the lowest and the highest load factor of a problem."""
+"""Result of a search for the lowest and the highest load factor of a problem."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from lacore.reporting.showing import Facts, Picture, counted
 from lacore.reporting.status import Reported, Scope, Status
 from lacore.reporting.text import PYTHON, Reader
 
-_CLOSE = 1e-6  # relative: a load factor this close to a bound has reached it
+_CLOSE = 1e-6  # relative distance at which a load factor has reached a bound
 
 
 class RangeKind(Enum):
-    """Why a problem has several load factors."""
+    """Reason for several load factors of a problem."""
 
     COULOMB = "Coulomb load factors"
     SOIL = "load factors"
 
     @property
     def bounds(self) -> str:
-        """The problems whose load factors are the bounds of all others."""
+        """Problems whose load factors are the bounds of all others."""
         if self is RangeKind.COULOMB:
             return "frictionless, associated"
         return "associated flow with the dilation angle, and with the friction angle"
@@ -43,39 +43,39 @@ class RangeKind(Enum):
 class LoadFactorRange(Reported):
     """The lowest and the highest load factor found, in SI units.
 
-    Each is proven to be one, by its certificate. That there is none lower or higher is proven only
-    by `bracket`, where they reach it; otherwise it is merely what the search found. Where bodies
-    deform all this is said of the discrete problem (`scope`), whose load factors lie above those of
-    the continuum as a rule; of the continuum `continuum` is proven.
+    Each of them is proven by its certificate. It is proven that there is none lower or higher only
+    if they reach `bracket`; otherwise it is just the result of the search. For deformable bodies
+    this applies to the discrete problem (`scope`), whose load factors are usually above those of
+    the continuum; for the continuum `continuum` is proven.
 
     Attributes:
-        kind: Why there are several: Coulomb friction, or soil whose flow is not associated.
-        status: SOLVED where states were found; else why there is none.
-        lowest, highest: their states; None where none was found. Of a mechanism that carries any
-            load factor (`high` = inf) `highest` is a state with a large one.
-        low, high: their load factors; NaN where nothing is certified, +inf of a LOCKED problem.
-        scope: of which problem the load factors, `bracket` and what reaches it are.
-        bracket: proven bounds of every load factor of that problem; -inf and inf where there is
-            none. Of Coulomb friction those without friction and with associated friction (T14); of
-            soils those with associated flow of the dilation angle and the same apex, and of the
+        kind: Reason for several load factors: Coulomb friction, or soil with non-associated flow.
+        status: SOLVED if states were found; else why there is none.
+        lowest, highest: their states; None if none was found. If a mechanism carries any load
+            factor (`high` = inf), `highest` is a state with a large one.
+        low, high: their load factors; NaN if nothing is certified, +inf for a LOCKED problem.
+        scope: problem of the load factors and of `bracket`.
+        bracket: proven bounds of every load factor of that problem; -inf and inf without a bound.
+            For Coulomb friction those without friction and with associated friction (T14); for
+            soils those with associated flow with the dilation angle and the same apex, and with the
             friction angle (T54).
         continuum: proven bounds of every Coulomb load factor of the continuum: a strict lower bound
             of the problem without Coulomb friction, a strict upper bound of that with associated
-            friction; -inf and inf where there is none. `bracket` where nothing is discretised.
-        unbounded: Why the continuum has no bound; empty where it has both.
-        davis: load factor with Davis's strength of soils (T55), which bounds nothing; NaN where
-            there is no such state.
-        states: one row a certified state, or a search; see `lacore.coulomb_range` and
+            friction; -inf and inf without a bound. Equal to `bracket` if nothing is discretised.
+        unbounded: Why the continuum has no bound; empty if it has both.
+        davis: load factor with Davis's strength of soils (T55), which is not a bound; NaN without
+            such a state.
+        states: one row per certified state, or per search; see `lacore.coulomb_range` and
             `lacore.soil_range`.
         certified: number of certified states.
-        backend: name.
-        tolerance: bar for all residuals.
-        settings: of the search: ``seed`` and ``restarts``, or ``shares``.
+        backend: name of the backend.
+        tolerance: tolerance for all residuals.
+        settings: settings of the search: ``seed`` and ``restarts``, or ``shares``.
         solves: inner solves of the search.
         solve_time: s, wall clock, without the compilation of the backend.
-        findings: What else there is to report; `message` is their text.
-        stop: Why the search ended early; None where it did not.
-        ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
+        findings: further findings; `message` is their text.
+        stop: Why the search ended early; None if it did not.
+        ray: proof of LOCKED or UNSAFE, with its residuals: see `LimitState`; else None.
     """
 
     kind: RangeKind
@@ -117,16 +117,16 @@ class LoadFactorRange(Reported):
 
     @property
     def lowest_proven(self) -> bool:
-        """Whether there is proven to be no lower load factor of the problem of `scope`."""
+        """Whether it is proven that the problem of `scope` has no lower load factor."""
         return _reached(self.low, self.bracket[0])
 
     @property
     def highest_proven(self) -> bool:
-        """Whether there is proven to be no higher load factor of the problem of `scope`."""
+        """Whether it is proven that the problem of `scope` has no higher load factor."""
         return _reached(self.high, self.bracket[1])
 
     def facts(self) -> Facts:
-        """What was found, and what of it is proven; `summary` has the whole."""
+        """Return the results and what is proven, for printing; `summary` is complete."""
         return self.facts_for(PYTHON)
 
     def facts_for(self, reader: Reader) -> Facts:
@@ -149,7 +149,7 @@ class LoadFactorRange(Reported):
         return Facts(f"{self.kind.value} {found}{short}", told, "LoadFactorRange")
 
     def _proven(self) -> str:
-        """The bounds of all load factors, in one line."""
+        """Return the bounds of all load factors, in one line."""
         if np.isinf(self.bracket).all():
             return "no bounds"
         lines = [f"every one is in {_interval(self.bracket, self.kind.digits)}"]
@@ -160,7 +160,7 @@ class LoadFactorRange(Reported):
         return "; ".join(lines)
 
     def _residuals(self) -> dict[str, str]:
-        """A line on the residuals of the states that there are; empty of none."""
+        """Return a line on the residuals of the states; empty without any."""
         worst = [
             f"{state.certificate.summary} of the {name}"
             for name, state in (("lowest", self.lowest), ("highest", self.highest))
@@ -169,13 +169,13 @@ class LoadFactorRange(Reported):
         return {"residual": "; ".join(worst)} if worst else {}
 
     def picture(self) -> Picture | None:
-        """The mechanism of the lowest load factor."""
+        """Return the mechanism of the lowest load factor."""
         if self.lowest is None:
             return None
         return Picture(self.lowest.plot(), "the mechanism with the lowest load factor")
 
     def summary(self) -> str:
-        """What was found, and what of it is proven, as plain text."""
+        """Return the results and what is proven, as plain text."""
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:
@@ -213,7 +213,7 @@ class LoadFactorRange(Reported):
     def _end(
         self, other: str, value: float, state: LimitState | None, proven: bool
     ) -> Iterator[str]:
-        """What is proven of one end; `other` says what load factors beyond it would be."""
+        """Yield lines on the proof of one end; `other` describes load factors beyond it."""
         if state is None or state.certificate is None:
             return
         of, (residual, size) = self.scope.phrase, state.certificate.worst
@@ -233,12 +233,12 @@ class LoadFactorRange(Reported):
 
 @dataclass(frozen=True)
 class NoState:
-    """What a range reports where no state was certified.
+    """Report of a range without certified states.
 
     Attributes:
         status: Why there is none.
-        findings: What else there is to report; also of a range with states.
-        ray: what proves LOCKED or UNSAFE.
+        findings: further findings; also for a range with states.
+        ray: proof of LOCKED or UNSAFE.
     """
 
     status: Status
@@ -272,9 +272,9 @@ def range_of(
     """Build a range from the states at its ends.
 
     Args:
-        ends: The lowest state first, the highest last; empty where none was certified.
-        without: What is reported then.
-        searched: What else was found.
+        ends: The lowest state first, the highest last; empty if none was certified.
+        without: Report in this case.
+        searched: Other results.
     """
     nothing = np.inf if without.status is Status.LOCKED else np.nan
     bracket = searched.bracket
@@ -324,7 +324,7 @@ def about(bracket: tuple[float, float], low: float, high: float) -> tuple[float,
 
 
 def _reached(value: float, bound: float) -> bool:
-    """Whether a load factor is at a bound; both may be infinite."""
+    """Return whether a load factor is at a bound; both may be infinite."""
     if not (np.isfinite(value) and np.isfinite(bound)):
         return value == bound
     return abs(value - bound) <= _CLOSE * max(abs(value), abs(bound))

@@ -1,9 +1,9 @@
-"""Strength reduction: by how much strengths may be divided until given loads are the collapse load.
+"""Strength reduction: the factor that divides strengths until given loads are the collapse load.
 
-For the factor F every cohesion and every ``tan(phi)`` is divided by F, and the load factor of all
-given loads together falls with it. Where a strict lower bound of that is still 1 or more the
-structure stands, where a strict upper bound is below 1 it does not: the two ends are proven.
-Where flow is not associated no bound theorem holds, and certified states take their place.
+For the factor F every cohesion and every ``tan(phi)`` is divided by F, which reduces the load
+factor of all given loads together. If a strict lower bound of it is at least 1, the structure
+stands; if a strict upper bound is below 1, it collapses: the two ends are proven. For
+non-associated flow there is no bound theorem, and certified states are used instead.
 """
 
 from __future__ import annotations
@@ -37,10 +37,12 @@ from lacore.solvers.inner.preparing import require_exact
 
 Weakened = Callable[[float], Problem | None]
 
-_FARTHEST = 4.0  # times the last factor, where nothing brackets the next
-_INSIDE = 0.1  # share of a bracket, in logarithms, that the next factor keeps from its ends
-_MOST = 25  # solves of one end: 4^25 is more than any strength
-_STRONGEST = 1e-3  # factor: what falls with strengths divided by it falls however strong it is
+_FARTHEST = 4.0  # factor to the next value if nothing brackets it
+# share of a bracket, in logarithms, by which the next factor stays away from its ends
+_INSIDE = 0.1
+_MOST = 25  # limit of solves of one end: 4^25 is more than any strength
+# smallest factor: a structure that collapses with strengths divided by it always collapses
+_STRONGEST = 1e-3
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,21 +50,22 @@ class SafetyFactor(Result):
     """A factor of safety between two ends: proven, or of certified states.
 
     Attributes:
-        lower: the structure stands with strengths divided by this factor; nan where not proven. Of
+        lower: the structure stands with strengths divided by this factor; NaN if not proven. For
             certified states: the largest factor with one whose load factor is 1 or more.
-        upper: with strengths divided by this one it collapses; nan where not proven. Of certified
-            states: the least factor with one whose load factor is below 1.
-        history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads (nan of a
-            bound that failed), ``proves``; or a row a state, with that of the reference loads
-            in addition to the dead ones, or of all where the dead loads alone are not carried.
-        problem: as stated.
-        findings: What else there is to report of the mechanism at the upper end, such as the sides
-            of soils that it reaches: in a larger body both ends may be less.
-        states: those at both ends that were found, where flow is not associated: they prove no
-            end, as others may have other load factors (`lacore.soil_range`, `lacore.coulomb_range`
-            look for them). With associated flow the factor is no less: its `upper`, of the problem
-            with ``Coulomb(mu, associated=True)`` and no dilation angles, is proven for this one
-            too (T14, T54). Empty where ends are proven.
+        upper: with strengths divided by this one it collapses; NaN if not proven. For certified
+            states: the smallest factor with one whose load factor is below 1.
+        history: one row per bound: ``end``, ``factor``, ``load_factor`` of all given loads (NaN for
+            a failed bound), ``proves``; or one row per state, with the load factor of the reference
+            loads in addition to the dead ones, or of all loads if the dead loads alone are not
+            carried.
+        problem: the problem.
+        findings: further findings on the mechanism at the upper end, such as sides of soils that it
+            reaches: in a larger body both ends may be smaller.
+        states: states at both ends for non-associated flow: they do not prove the ends, as others
+            may have other load factors (`lacore.soil_range` and `lacore.coulomb_range` search for
+            them). With associated flow the factor is at least as large: its `upper`, of the problem
+            with ``Coulomb(mu, associated=True)`` and no dilation angles, is also proven for this
+            one (T14, T54). Empty if ends are proven.
         interfaces: whether friction of interfaces is divided as well.
     """
 
@@ -91,7 +94,7 @@ class SafetyFactor(Result):
 
     @property
     def stands(self) -> bool | None:
-        """Whether the structure as it is carries the given loads; None where neither is proven."""
+        """Whether the structure carries the given loads without reduction; None without a proof."""
         if self.states:
             return None
         if self.lower >= 1:
@@ -100,13 +103,13 @@ class SafetyFactor(Result):
 
     @property
     def _failed(self) -> str:
-        """How many there were none of, for its text."""
+        """Text on the number of failed bounds."""
         number = int(self.history["load_factor"].isna().sum())
         return f", of which {number} failed and prove{'s' * (number == 1)} nothing" * bool(number)
 
     @property
     def _weakened(self) -> str:
-        """What is divided, for its text."""
+        """Text on the divided strengths."""
         weaker, every = of_kind(self.problem.bodies, Body), list(self.problem.bodies)
         if len(weaker) == len(every):
             return "all bodies"
@@ -114,13 +117,13 @@ class SafetyFactor(Result):
 
     @property
     def _beside(self) -> str:
-        """What becomes of friction of interfaces, for its text."""
+        """Text on the friction of interfaces."""
         if not self.problem.interfaces:
             return ""
         return f", friction of interfaces {'as well' if self.interfaces else 'as it is'}"
 
     def facts(self) -> Facts:
-        """Both ends, and what they took."""
+        """Return both ends, and their effort, for printing."""
         missing = [end for end in ("lower", "upper") if isnan(getattr(self, end))]
         proven, kind, ends = "both ends by strict bounds of the continuum problem", "bound", ""
         if self.states:
@@ -146,25 +149,25 @@ def safety_factor(
     tolerance: float = 1e-3,
     backend: str = "auto",
 ) -> SafetyFactor:
-    """Factor by which strengths may be divided until the given loads collapse the structure.
+    """Compute the factor that divides strengths until the given loads collapse the structure.
 
-    On the mesh of the problem: how far its ends are apart is what its bounds are. Refine it, or
-    take the space ``p2-disc`` and a fan at its toe, for closer ones. With Coulomb friction, or soil
-    that dilates less than it rubs, ends are factors of certified states (`SafetyFactor.states`) and
-    as close as `tolerance`.
+    The bounds are those on the mesh of the problem, which determine the distance of the ends.
+    Refine it, or use the space ``p2-disc`` and a fan at its toe, for closer ones. With Coulomb
+    friction, or non-associated soil, ends are factors of certified states (`SafetyFactor.states`)
+    and within `tolerance`.
 
     Args:
-        problem: its reference and dead loads count alike, at their full size (load factor 1).
-        of: what is divided: ``strength``, that is cohesion, ``tan(phi)``, shear strength and
+        problem: its reference and dead loads count equally, at their full size (load factor 1).
+        of: divided quantities: ``strength``, that is cohesion, ``tan(phi)``, shear strength and
             cut-offs of all deformable bodies; members of frames and joints of blocks keep theirs.
         interfaces: divide the friction of interfaces as well.
-        tolerance: of each end, relative, to which it is looked for.
+        tolerance: relative tolerance of the search for each end.
         backend: name of an exact backend.
 
     Raises:
-        InputError: a criterion that cannot be weakened; a body without any cohesion, or no body
-            at all, whose factor no load factor tells; what bounds refuse.
-        CapabilityError: the backend is regularised, or cannot take the problem.
+        InputError: a criterion that cannot be weakened; a body without any cohesion, or no body at
+            all, whose factor does not follow from a load factor; anything that bounds reject.
+        CapabilityError: the backend is regularised, or does not support the problem.
 
     Example:
         >>> found = la.safety_factor(la.examples.footing(strength=0.25), tolerance=0.05)
@@ -204,7 +207,7 @@ def safety_factor(
         seen[factor] = bound.findings if bound.status is Status.SOLVED else ()
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         if bound.status is Status.FREE and strict_bound(bound.discretisation):
-            return 0.0  # it moves without dissipation: associated friction that is overcome
+            return 0.0  # It moves without dissipation, as associated friction is overcome.
         return inf if bound.status is Status.LOCKED else value
 
     lower = _end("lower", True, weakened, below, 1.0, tolerance, rows)
@@ -214,16 +217,16 @@ def safety_factor(
 
 
 def _together(problem: Problem) -> Problem:
-    """All loads as reference loads: at a load factor of 1 they are as given."""
+    """Return all loads as reference loads: at a load factor of 1 they have their given size."""
     loads = [*problem.reference_loads, *problem.dead_loads]
     return replace(problem, reference_loads=loads, dead_loads=[])
 
 
 def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: str) -> SafetyFactor:
-    """Between factors of certified states on either side of a load factor of 1.
+    """Return factors of certified states on either side of a load factor of 1.
 
-    Only the reference loads grow: weights that grow with the load close the contact, which then
-    jams. If the structure does not carry the dead loads alone, all loads grow.
+    Only the reference loads grow, since weights that grow with the load close the contact, which
+    then jams. If the structure does not carry the dead loads alone, all loads grow.
     """
     rows: list[dict[str, object]] = []
     states: dict[float, LimitState] = {}
@@ -256,9 +259,9 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
 
 
 def _reached_from_dead(state: LimitState) -> bool:
-    """Whether a load factor of 1 or more is one of loads that grow from dead ones which stand.
+    """Return whether a load factor of at least 1 is reached from dead loads that are carried.
 
-    What holds something that falls may be carried at many times its size, and not as it is.
+    A structure that collapses under its loads may carry them at many times their size.
     """
     if state.status is Status.UNSAFE:
         return False
@@ -274,11 +277,11 @@ def _end(
     tolerance: float,
     rows: list[dict[str, object]],
 ) -> float:
-    """The last factor with a load factor of 1 or more, or below 1; nan where there is none.
+    """Return the last factor with a load factor of at least 1, or below 1; NaN without one.
 
     A failed solve (NaN) decides nothing: the search continues next to it.
     """
-    above, below = (0.0, inf), (inf, -inf)  # logarithms: of the factor, of the load factor
+    above, below = (0.0, inf), (inf, -inf)  # logarithms of the factor and of the load factor
     low, high = -inf, inf
     failed: list[float] = []
     factor, best, least = start, nan, log(1 + tolerance)
@@ -292,7 +295,8 @@ def _end(
         elif proves:
             best = factor
         size = log(known) if known > 0 else -inf
-        if weaker is None:  # nothing is as weak, or as strong, and the problem itself is neither
+        # No problem is as weak, or as strong, and the problem itself is neither.
+        if weaker is None:
             low, high = (low, here) if here > 0 else (here, high)
         elif isnan(known):
             failed.append(here)
@@ -303,7 +307,8 @@ def _end(
         if high - low <= least:
             break
         bounded = low > -inf or high < inf
-        reach = 2**tries * size  # where strength says little of the load factor, soon far
+        # If strength hardly affects the load factor, the steps grow quickly.
+        reach = 2**tries * size
         wanted = _next(low, high, above, below, reach) if bounded else failed[-1]
         clear = _clear(wanted, low, high, failed, stands, least)
         if clear is None:
@@ -315,9 +320,12 @@ def _end(
 def _clear(
     wanted: float, low: float, high: float, failed: list[float], down: bool, least: float
 ) -> float | None:
-    """What is wanted, unless a bound failed there: then the middle of the widest gap; logarithms.
+    """Return the wanted factor, or if a bound failed there the middle of the widest gap.
 
-    On the side where the end is proven, of two that are as wide. None where all are too narrow.
+    Logarithms.
+
+    Of two gaps of equal width, the one on the side of the proven end is chosen. None if all are too
+    narrow.
     """
     if all(abs(wanted - one) > least for one in failed):
         return wanted
@@ -338,10 +346,10 @@ def _next(
     falls: tuple[float, float],
     reach: float,
 ) -> float:
-    """Logarithm of the next factor: where the load factor is about 1.
+    """Return the logarithm of the next factor, at which the load factor is about 1.
 
-    Where only one side is known, at most `reach` away, which is about the load factor's own
-    logarithm.
+    If only one side is known, it is at most `reach` away, which is about the logarithm of the load
+    factor.
     """
     if low == -inf or high == inf:
         here = high if low == -inf else low

@@ -1,4 +1,4 @@
-"""`soil_range`: low and high load factors of soils whose flow is not associated (T59)."""
+"""`soil_range`: low and high load factors of soils with non-associated flow (T59)."""
 
 from __future__ import annotations
 
@@ -41,11 +41,14 @@ from lacore.solvers.inner.preparing import preparer, require_exact
 from lacore.solvers.inner.rescaling import good_for
 
 SHARES = (1.0, 0.6, 0.3)
-"""Of the friction that a soil has where searches start: loads far apart, from 2 to 32 of a footing
-of 30 degrees, lead to limit states much nearer to each other (T59)."""
+"""Shares of the friction of a soil at the starts of searches.
+
+Their load factors differ widely, from 2 to 32 for a footing of 30 degrees, and lead to much closer
+limit states (T59).
+"""
 _AIM = 1e-6  # residual at which a search stops
-_MOST = 120  # solves of a search: it stops by itself sooner
-_BEYOND = 1e-6  # of the associated load factor: the round-off of two solves
+_MOST = 120  # limit of solves of a search, which usually ends earlier
+_BEYOND = 1e-6  # by the associated load factor: round-off of two solves
 _COLUMNS = ["share", "search", "status", "load_factor", "residual", "gap", "solves", "seconds"]
 
 
@@ -60,30 +63,30 @@ def soil_range(
     options: Mapping[str, Any] | None = None,
     on_progress: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> LoadFactorRange:
-    """Search for low and high load factors of soils whose flow is not associated (T57, T59).
+    """Search for low and high load factors of soils with non-associated flow (T57, T59).
 
-    Two searches from each start: one settles near it, the other drifts to lower loads first. Each
-    takes as many solves as 20 to 80 with associated flow.
+    There are two searches from each start: one converges near it, the other first moves to lower
+    loads. Each takes as long as 20 to 80 solves with associated flow.
 
-    A row of `LoadFactorRange.states` is a search: the ``share`` of the friction where it starts,
+    A row of `LoadFactorRange.states` is a search: the ``share`` of the friction at its start,
     ``search`` (``settled`` by S-steps, ``drifted`` by K-steps first), ``status``, ``load_factor``,
     the largest ``residual``, the ``gap``, ``solves``, ``seconds`` since the beginning.
 
     Args:
         problem: the problem, or its discretisation.
-        backend: an exact one.
-        shares: of the friction of soils with which searches start, each in (0, 1].
-        tolerance: bar for the residuals of every state, of the power turned over; a search goes on
-            to 1e-6 where it gets there. A gap says by how much friction is mobilised too little on
-            the average over the dissipation (T53), not how near other load factors are.
+        backend: name of an exact backend.
+        shares: shares of the friction of soils at the starts of searches, each in (0, 1].
+        tolerance: tolerance for the residuals of every state, by the dissipated power; a search
+            continues to 1e-6 if possible. A gap is the average lack of mobilised friction over the
+            dissipation (T53), not the distance to other load factors.
         time_limit: s, wall clock, from the beginning: searches stop at the first inner solve that
-            ends after it, with what they have found.
-        options: of the backend, by name.
+            ends after it, with their present results.
+        options: options of the backend, by name.
         on_progress: called with the row of each search as it ends.
 
     Raises:
-        InputError: no soil whose flow is not associated; shares or a tolerance out of range.
-        CapabilityError: the backend is missing, regularised, or cannot take the problem.
+        InputError: no soil with non-associated flow; shares or a tolerance out of range.
+        CapabilityError: the backend is missing, regularised, or does not support the problem.
 
     Example:
         >>> sand = la.MohrCoulomb(cohesion=1.0, friction_angle=30.0, dilation_angle=0.0)
@@ -124,7 +127,7 @@ def soil_range(
         SearchRecord(
             kind=RangeKind.SOIL,
             scope=problem.scope,
-            # Of none, whatever bounds with more strength say.
+            # No load factor exists, whatever bounds with more strength give.
             bracket=(-np.inf, np.inf) if unsafe else found.bracket,
             states=states,
             certified=len(found.ends),
@@ -142,7 +145,7 @@ def soil_range(
 def _checked(
     backend: str, shares: tuple[float, ...], tolerance: float, time_limit: float
 ) -> Backend:
-    """Return the backend; check what needs no problem."""
+    """Return the backend after checks that need no problem."""
     require_positive("tolerance", tolerance)
     require_positive("time_limit", time_limit)
     listed = isinstance(shares, Sequence) and len(shares) > 0
@@ -170,13 +173,13 @@ def _check_flow(program: KinematicProgram) -> None:
 
 @dataclass(frozen=True)
 class _CertifiedSearches:
-    """What searches have found.
+    """Results of searches.
 
     Attributes:
-        ends: of certified ones, with their load factors in SI units.
+        ends: ends of certified searches, with their load factors in SI units.
         bracket: proven bounds of all load factors of the discrete problem (T54), SI units.
-        rows: one a search.
-        stop: why not all of them came to their ends; None where they did.
+        rows: one row per search.
+        stop: why not all of them reached their ends; None if they did.
     """
 
     ends: list[tuple[SoilFound, float]]
@@ -229,7 +232,8 @@ def _row(found: SoilFound, scale: float, above: float, seconds: float) -> dict[s
     if found.start.inner.point is None:
         status = found.start.inner.status.label
     elif point is not None and not alpha <= above + _BEYOND * abs(above):
-        status = "refused"  # no admissible stresses carry so much (T54): an error of ours
+        # No admissible stresses carry so much (T54), so this is an error of ours.
+        status = "refused"
     elif certificate is not None:
         status = "certified"
     return {
@@ -252,7 +256,7 @@ def _state(
     given: Mapping[str, Any],
     tolerance: float,
 ) -> LimitState:
-    """The end of a search as a state of its problem."""
+    """Return the end of a search as a state of its problem."""
     assert found.final is not None
     iterates = (found.start, *found.iterates)
     coupled = Coupled(Status.SOLVED, iterates, found.final, tolerance=tolerance)
@@ -262,14 +266,14 @@ def _state(
 
 
 def _why(problem: Discretisation, given: Mapping[str, Any]) -> NoState:
-    """Why there is no state: LOCKED or UNSAFE where that is proven, and by what."""
+    """Return why there is no state: LOCKED or UNSAFE if that is proven, with the proof."""
     state = solve(problem, **given)
     solved = state.status is Status.SOLVED
     return NoState(Status.NOT_CERTIFIED if solved else state.status, ray=state.ray)
 
 
 def _davis(problem: Discretisation, given: Mapping[str, Any]) -> float:
-    """Load factor with Davis's strength; NaN where cones are no planes of slip alone."""
+    """Return the load factor with Davis's strength; NaN if cones are not planes of slip alone."""
     if not all(group.sliding for group in problem.program.groups if group.frictional):
         return float("nan")
     return solve(problem, coupling="davis", **given).load_factor

@@ -1,4 +1,4 @@
-"""Problems whose strengths are divided by a factor."""
+"""Problems with strengths divided by a factor."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from lacore.reporting.errors import InputError
 
 
 def weakened_problem(problem: Problem, factor: float, interfaces: bool) -> Problem | None:
-    """The problem with strengths divided by a factor; None where no criterion has such ones."""
+    """Return the problem with strengths divided by a factor; None if no criterion supports it."""
     weaker = {}
     for name, body in of_kind(problem.bodies, Body).items():
         try:
             weaker[name] = replace(body, criterion=_divided_criterion(body.criterion, factor))
-        except InputError:  # an angle outside the accepted range
+        except InputError:  # The angle is outside the accepted range.
             return None
     pairs = problem.interfaces
     if interfaces:
@@ -63,11 +63,11 @@ def require_weakening(name: str, body: Body) -> None:
 
 @runtime_checkable
 class Weakening(Protocol):
-    """A criterion of which a weaker one can be built."""
+    """Criterion that can be weakened."""
 
     @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure, Pa."""
+        """Shear strength at zero pressure, Pa."""
         ...
 
     @property
@@ -76,5 +76,5 @@ class Weakening(Protocol):
         ...
 
     def weakened(self, factor: float) -> Criterion:
-        """With cohesion, ``tan(phi)``, strengths and cut-offs divided by a factor > 0."""
+        """Return it with cohesion, ``tan(phi)``, strengths and cut-offs divided by a factor > 0."""
         ...

@@ -1,1 +1,1 @@
-"""Which combinations of loads are carried: convex bodies between points and planes (T82)."""
+"""Combinations of loads that are carried: convex sets between points and planes (T82)."""

@@ -1,4 +1,4 @@
-"""Loads of several components: named, combined, and refused where they are none."""
+"""Loads of several components: named, combined, and checked."""
 
 from collections.abc import Mapping, Sequence
 
@@ -20,26 +20,27 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.text import text
 
 _FEWEST, _MOST = 2, 3
-_DEPENDENT = 1e-9  # of the largest singular value of all, each of length 1
-_NOTHING = 1e-9  # of a load: less than this left of it is no power
-_FAINTEST = 1e-12  # of the largest component: a smaller one is left out
+_DEPENDENT = 1e-9  # by the largest singular value of all, each of length 1
+_NOTHING = 1e-9  # share of a load without power
+_FAINTEST = 1e-12  # by the largest component: a smaller one is left out
 
 
 class Components:
     """Loads by the name of their component.
 
     Attributes:
-        names: of them.
-        loads: of each.
-        associated: whether all flow and friction is, so that what is carried is convex.
-        senses: signs of components that leave what is carried as it is, (s, k), the first all 1:
-            all opposite, where opposite loads have opposite mechanisms, as nothing opens, no
-            strength depends on pressure and no dead load tells one sense from the other; and those
-            of mirrors, see `lacore.analyses.yield_surface.mirrors.senses`.
+        names: names of the components.
+        loads: loads of each component.
+        associated: whether all flow and friction is associated, so that the set of carried loads is
+            convex.
+        senses: signs of components that do not change whether loads are carried, (s, k), the first
+            all 1: all opposite, if opposite loads have opposite mechanisms, because nothing opens,
+            no strength depends on pressure and there is no dead load; and those of mirrors, see
+            `lacore.analyses.yield_surface.mirrors.senses`.
 
     Raises:
-        InputError: not two or three; loads that cannot be, or have no one size; components that do
-            no power in any motion, or are combinations of each other.
+        InputError: not two or three; invalid loads, or loads without a single size; components
+            without power in any motion, or combinations of each other.
     """
 
     def __init__(self, problem: Problem, loads: Mapping[str, Sequence[Load]]) -> None:
@@ -54,7 +55,7 @@ class Components:
         self.loads = tuple(tuple(own) for own in loads.values())
         for name, own in zip(self.names, self.loads, strict=True):
             _check(name, own)
-        # With nodes wherever a force acts on a frame, so that unknowns are the same ones for all.
+        # Add nodes at all forces on frames, so that all problems have the same unknowns.
         every = [load for own in self.loads for load in own]
         self.problem = problem.with_loads(every, problem.dead_loads)
         self.associated, even = True, True
@@ -78,14 +79,14 @@ class Components:
         self.senses = senses(even, stated)
 
     def problem_at(self, centre: Floats, direction: Floats) -> Problem:
-        """Along a direction, (k,), from a centre, (k,), where loads act as dead ones."""
+        """Return the problem along a direction, (k,), from a centre, (k,), of dead loads."""
         return self.problem.with_loads(
             reference_loads=self._combined(direction),
             dead_loads=[*self.problem.dead_loads, *self._combined(centre)],
         )
 
     def powers(self, stated: Problem, velocity: Floats) -> Floats:
-        """Power of each component on a velocity of a problem, W/m, (k,)."""
+        """Return the power of each component on a velocity of a problem, W/m, (k,)."""
         forces = [
             discretise(stated.with_loads(own, self.problem.dead_loads)).full.reference_load
             for own in self.loads
@@ -102,7 +103,7 @@ class Components:
         ]
 
     def _stated(self, number: int) -> Discretisation:
-        """The problem with a component alone."""
+        """Return the problem with a component alone."""
         try:
             return discretise(self.problem.with_loads(self.loads[number]))
         except InputError as wrong:
@@ -111,7 +112,7 @@ class Components:
 
     @staticmethod
     def _vector(name: str, stated: Discretisation) -> Floats:
-        """Forces of a component on what can move, of length 1."""
+        """Return the forces of a component on free unknowns, with length 1."""
         force = stated.program.reference_load
         if not _left(stated.program, force) > _NOTHING:
             raise InputError(
@@ -124,7 +125,7 @@ class Components:
 
 
 def _left(program: KinematicProgram, force: Floats) -> float:
-    """Share of a load that no mean stress of incompressible bodies is in equilibrium with."""
+    """Return the share of a load that no mean stress of incompressible bodies balances."""
     rows = [group.volumetric for group in program.groups if group.surfaces is None]
     rows = [own for own in rows if own.nnz]
     if not rows:

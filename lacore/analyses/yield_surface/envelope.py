@@ -1,4 +1,4 @@
-"""`envelope`: which combinations of loads a structure carries (T82)."""
+"""`envelope`: combinations of loads that a structure carries (T82)."""
 
 from __future__ import annotations
 
@@ -29,38 +29,39 @@ from lacore.reporting.status import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_ROUND = 1e-9  # of a vertex: what lies nearer to a plane is on it
+_ROUND = 1e-9  # by a vertex: distance of points on a plane
 
 
 @dataclass(frozen=True, repr=False)
 class Envelope(Result):
-    """Which combinations of loads are carried: the yield surface in two or three components.
+    """Combinations of loads that are carried: the yield surface in two or three components.
 
-    Factors of loads are multiples of the components as they are given; dead loads stay.
+    Factors of loads are multiples of the given components; dead loads are constant.
 
     Attributes:
-        names: of the components.
-        convex: whether flow and friction are associated, so that what is carried is convex, and
-            `inner` and `outer` are proven; else there are points alone, each a certified Coulomb
-            state, and what lies between them is not known.
-        inner: vertices of the hull of what is proven to be carried, (i, k), of two components in
-            order; of Coulomb states the points.
-        outer: vertices of what no load outside of is carried, (o, k); empty of Coulomb states.
+        names: names of the components.
+        convex: whether flow and friction are associated, so that the set of carried loads is
+            convex, and `inner` and `outer` are proven; else there are only points, each a certified
+            Coulomb state, and the set between them is unknown.
+        inner: vertices of the hull of points that are proven to be carried, (i, k), for two
+            components in order; for Coulomb states the points.
+        outer: vertices of a set outside of which no load is carried, (o, k); empty for Coulomb
+            states.
         planes: normals and offsets of `outer`, ``normal . factors <= offset``, (h, k + 1): each is
-            the mechanism of an upper bound, and holds for all combinations.
-        bounded: whether planes alone enclose it; where loads are locked they do not, and a box of 4
-            times the extent of `inner` stands for infinity.
-        bound_width: largest distance between both along the directions that were asked, which a
-            smaller `target_width` narrows.
-        polyhedral_width: what would be left of `width` if inner met outer in each of them, which
-            more directions narrow; at most both make up `width`, as factors above 1.
-        stop: why it ended before `n` directions; None where it did not.
+            the mechanism of an upper bound, valid for all combinations.
+        bounded: whether planes alone enclose it; if loads are locked they do not, and a box of 4
+            times the extent of `inner` represents infinity.
+        bound_width: largest distance between both along the computed directions, which a smaller
+            `target_width` reduces.
+        polyhedral_width: the remaining `width` if inner met outer in each of them, which more
+            directions reduce; both together make up at most `width`, as factors above 1.
+        stop: why it ended before `n` directions; None if it did not.
         rigor: what inner and outer prove.
-        table: a row a direction: from ``centre`` along ``direction`` factors ``lower`` and
-            ``upper`` (NaN where there is none), the ``status``, the factors of the point that is
-            proven, ``seconds``.
-        centre: factors that directions go out from, (k,).
-        target_width: of brackets, where bodies deform; NaN of bounds on the mesh itself.
+        table: one row per direction: from ``centre`` along ``direction`` factors ``lower`` and
+            ``upper`` (NaN without one), the ``status``, the factors of the proven point,
+            ``seconds``.
+        centre: factors from which directions start, (k,).
+        target_width: width of brackets for deformable bodies; NaN for bounds on the mesh itself.
         solve_time: s, wall clock.
     """
 
@@ -81,7 +82,7 @@ class Envelope(Result):
     solve_time: float
 
     def contains(self, factors: Sequence[float]) -> bool | None:
-        """Whether loads are carried: True and False are proven, None lies between both.
+        """Return whether loads are carried: True and False are proven, None lies between both.
 
         Raises:
             InputError: not a number for each component.
@@ -102,7 +103,7 @@ class Envelope(Result):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What is proven, and how far apart both sides are."""
+        """Findings on what is proven, and on the distance of both sides."""
         found = Finding(Kind.APART, values={"width": self.width})
         if not self.convex:
             found = Finding(Kind.POINTS_ALONE)
@@ -120,7 +121,7 @@ class Envelope(Result):
         return str(self.stop or "")
 
     def facts(self) -> Facts:
-        """What is proven, and how well."""
+        """Return what is proven, for printing."""
         told = {"status": self.message, "rigor": self.rigor}
         if self.bounded:
             told["width"] = (
@@ -134,11 +135,11 @@ class Envelope(Result):
         return Facts(f"Envelope: of {', '.join(self.names)}, {len(self.inner)} points", told)
 
     def picture(self) -> Picture:
-        """Inner and outer."""
+        """Return the inner and outer sets."""
         return Picture(self.plot())
 
     def plot(self) -> Figure:
-        """Inner and outer: see `lacore.pictures.analyses.plot_envelope`."""
+        """Plot the inner and outer sets: see `lacore.pictures.analyses.plot_envelope`."""
         return views.picture(self)
 
 
@@ -153,32 +154,31 @@ def envelope(
     options: Mapping[str, Any] | None = None,
     jobs: int | None = None,
 ) -> Envelope:
-    """Which combinations of two or three loads a structure carries, from inside and outside (T82).
+    """Compute the combinations of two or three loads that a structure carries (T82).
 
-    Along each direction of the loads a lower bound is a point of the yield surface or within it.
-    The mechanism of an upper bound is more: the same velocity bounds every combination, by a half-
-    plane. Directions go first along the components, then where the corners of the outer polygon are
-    farthest from the inner one. Where nothing tells a load from its opposite, no contact, no dead
-    load, no strength that depends on pressure, each direction counts for both; where a mirror
-    leaves the structure as it is, on its mesh, for its image, too. With Coulomb friction what is
-    carried need not be convex: then each direction gives a certified point, and no more.
+    Along each direction of the loads a lower bound gives a point within the yield surface. The
+    mechanism of an upper bound gives a half-plane, since the same velocity bounds every
+    combination. Directions are first along the components, then towards the corners of the outer
+    polygon that are farthest from the inner one. If opposite loads are equivalent, without contact,
+    dead load or pressure-dependent strength, each direction counts for both; if the structure and
+    its mesh have a mirror symmetry, also for its image. With Coulomb friction the set need not be
+    convex, and each direction only gives a certified point.
 
     Args:
-        problem: the structure, with its dead loads, which stay; its reference loads do not act.
+        problem: the structure, with its constant dead loads; its reference loads do not act.
         loads: two or three components by name, such as ``{"V": [...], "H": [...]}``.
-        n: directions.
-        backend: an exact one.
-        target_width: of a `lacore.bracket` along each direction, where a body deforms; None: bounds
-            on the mesh of the problem.
-        options: of the backend.
-        jobs: how many directions at a time, by threads; there are two at most. What is found is the
-            same whatever it is, unless a bracket runs out of time. None: as many as there are
-            processors.
+        n: number of directions.
+        backend: name of an exact backend.
+        target_width: width of a `lacore.bracket` along each direction for deformable bodies; None:
+            bounds on the mesh of the problem.
+        options: options of the backend.
+        jobs: number of simultaneous directions in threads, at most two. The results do not depend
+            on it, unless a bracket reaches its time limit. None: the number of processors.
 
     Raises:
-        InputError: components that do no power in any motion, or all the same, before any solve;
-            dead loads that are not carried; what bounds refuse.
-        CapabilityError: the backend is missing, or cannot take the problem.
+        InputError: components without power in any motion, or equal ones, before any solve; dead
+            loads that are not carried; anything that bounds reject.
+        CapabilityError: the backend is missing, or does not support the problem.
 
     Example:
         >>> forces = {

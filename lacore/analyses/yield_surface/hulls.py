@@ -1,4 +1,4 @@
-"""Convex bodies from inside and from outside: hulls of points, and half-spaces (T82)."""
+"""Convex sets from inside and outside: hulls of points, and half-spaces (T82)."""
 
 from dataclasses import dataclass
 
@@ -7,19 +7,19 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection, KDTree, QhullError
 
 from lacore.numerics.arrays import Floats
 
-_FAR = 4.0  # of a box around all points, per their extent: where half-spaces leave it open
-_SAME = 1e-9  # of the extent: vertices nearer than this are one
+_FAR = 4.0  # size of a box around all points, by their extent, if half-spaces are unbounded
+_SAME = 1e-9  # by the extent: distance of vertices that are equal
 
 
 @dataclass(frozen=True)
 class Hulls:
-    """What is between the hull of points and the half-spaces that contain it.
+    """Hull of points, and the half-spaces that contain it.
 
     Attributes:
         inner: vertices of the hull, (i, k); of a polygon in order.
         outer: vertices of the intersection, (o, k); of a polygon in order.
-        gauge: of each outer vertex, how many times as far from the centre it is as the hull, (o,).
-        bounded: whether half-spaces alone bound it, or a box stands where they do not.
+        gauge: distance of each outer vertex from the centre, by that of the hull, (o,).
+        bounded: whether half-spaces alone bound it; else a box is added.
     """
 
     inner: Floats
@@ -29,16 +29,16 @@ class Hulls:
 
     @property
     def width(self) -> float:
-        """Largest distance between both, along rays from the centre, per that of the hull."""
+        """Largest distance between both, along rays from the centre, by that of the hull."""
         if not self.bounded:
             return np.inf
         return float(self.gauge.max() - 1)
 
 
 def gauge(points: Floats, centre: Floats, places: Floats) -> Floats | None:
-    """How many times as far from a centre places are as the hull of points on their way, (m,).
+    """Return the distances of places from a centre, by that of the hull of points, (m,).
 
-    At most 1 inside. None where points have no volume, or the centre lies on the border.
+    They are at most 1 inside. None if points have no volume, or the centre lies on the boundary.
 
     Args:
         points: (p, k).
@@ -61,16 +61,16 @@ def gauge(points: Floats, centre: Floats, places: Floats) -> Floats | None:
 def parts_of_width(
     found: Hulls, planes: Floats, centre: Floats, ways: Floats
 ) -> tuple[float, float]:
-    """Distance between both along directions, and what is left where they meet in each of these.
+    """Return the distance between both along directions, and the rest if they met in each.
 
     Args:
         found: both, bounded.
         planes: normals and offsets of the outer one, (h, k + 1).
-        centre: inside, (k,).
+        centre: point inside, (k,).
         ways: directions from there, (m, k).
 
     Returns:
-        Each per that of the inner one, or of the hull of where both meet.
+        Both are divided by the distance of the inner one, or of the hull of the meeting points.
     """
     speed, room = ways @ planes[:, :-1].T, planes[:, -1] - planes[:, :-1] @ centre
     reach = np.divide(room, speed, out=np.full(speed.shape, np.inf), where=speed > 0).min(axis=1)
@@ -83,12 +83,12 @@ def parts_of_width(
 
 
 def hulls(points: Floats, normals: Floats, offsets: Floats, centre: Floats) -> Hulls | None:
-    """Hull of points and intersection of half-spaces; None where points have no volume yet.
+    """Return the hull of points and the intersection of half-spaces; None without volume.
 
     Args:
-        points: inside, (p, k).
+        points: points inside, (p, k).
         normals, offsets: ``normals q <= offsets``, (h, k) and (h,).
-        centre: inside all of them, (k,).
+        centre: point inside all of them, (k,).
     """
     if gauge(points, centre, points) is None:
         return None
@@ -115,14 +115,14 @@ def hulls(points: Floats, normals: Floats, offsets: Floats, centre: Floats) -> H
 
 
 def _distinct(corners: Floats) -> Floats:
-    """Each once."""
+    """Return each corner once."""
     finite = corners[np.all(np.isfinite(corners), axis=1)]
     pairs = KDTree(finite).query_pairs(_SAME, p=np.inf, output_type="ndarray")
     return np.asarray(np.delete(finite, pairs[:, 1], axis=0))
 
 
 def _in_order(corners: Floats) -> Floats:
-    """Corners of a polygon one after the other, around the origin."""
+    """Return the corners of a polygon in order around the origin."""
     if corners.shape[1] != 2:
         return corners
     return np.asarray(corners[np.argsort(np.arctan2(corners[:, 1], corners[:, 0]))])

@@ -1,4 +1,4 @@
-"""Mirrors of a structure: loads that it carries alike, proven of its assembled program (T82)."""
+"""Mirror symmetries of a structure, proven for its assembled program (T82)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,35 +17,36 @@ from lacore.model.materials.fields import varying
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import ContactRows
 
-_SAME = 1e-9  # of sizes: what differs by less is round-off of places and sums
+_SAME = 1e-9  # by sizes: smaller differences are round-off of places and sums
 _SEED = 82
-_WEIGHTS = (0.37, 0.11, 0.73, 0.29)  # any numbers: they tell laws of contact apart
+_WEIGHTS = (0.37, 0.11, 0.73, 0.29)  # arbitrary numbers that distinguish laws of contact
 
 
 @dataclass(frozen=True)
 class Mirror:
-    """Velocities seen in a mirror, ``signs * u[places]``; both of shape (n,)."""
+    """Mirror image of velocities, ``signs * u[places]``; both of shape (n,)."""
 
     places: Ints
     signs: Floats
 
     def of(self, velocity: Floats) -> Floats:
-        """The mirror image of velocities, or of the forces on them, (n,) or (n, m)."""
+        """Return the mirror image of velocities, or of the forces on them, (n,) or (n, m)."""
         signs = self.signs if velocity.ndim == 1 else self.signs[:, None]
         return np.asarray(signs * velocity[self.places])
 
 
 def senses(even: bool, stated: Sequence[Discretisation]) -> Floats:
-    """Signs of components that leave what is carried as it is, shape (s, k); the first are 1.
+    """Return the signs of components that do not change whether loads are carried, (s, k).
 
-    In a mirror, upright or level, a structure may be itself. A component then is itself, too, or
-    its opposite, and any combination is carried as its image is. That it is itself is proven of the
-    assembled program: each velocity and its image flow, touch and are held alike, which is seen by
-    a random one, as different rows agree on it with probability 0. Only of what is as uniform as
-    its mesh shows: no strengths or forces that vary from place to place.
+    The first signs are 1. A structure may be symmetric about a vertical or horizontal axis. The
+    mirror image of a component is then itself or its opposite, and any combination is carried if
+    its image is. The symmetry is proven for the assembled program: each velocity and its image have
+    the same flow, contact and supports. This is tested by a random velocity, because different rows
+    agree on it with probability 0. It is limited to uniform properties: strengths or forces that
+    vary with place are excluded.
 
     Args:
-        even: whether opposite loads are carried alike.
+        even: whether opposite loads are equivalent.
         stated: the problem with each of the components as its reference loads, (k,).
     """
     k = len(stated)
@@ -61,7 +62,7 @@ def senses(even: bool, stated: Sequence[Discretisation]) -> Floats:
 
 
 def _uniform(stated: Sequence[Discretisation]) -> bool:
-    """Whether a mesh shows all that there is: values that are the same all over its elements."""
+    """Return whether all properties are uniform over each mesh."""
     problem = stated[0].problem
     criteria = [
         own.criterion for body in of_kind(problem.bodies, Body).values() for own in body.regions
@@ -72,12 +73,12 @@ def _uniform(stated: Sequence[Discretisation]) -> bool:
 
 
 def _same_all_over(load: Load) -> bool:
-    """Whether it is no pressure of water, and no force that varies from place to place."""
+    """Return whether a load is not water pressure, and does not vary with place."""
     return size_of(load) is not None and bool(getattr(load, "uniform", True))
 
 
 def _signs(axis: int, stated: Sequence[Discretisation]) -> tuple[float, ...] | None:
-    """Of components in a mirror across an axis; None where the structure has no such mirror."""
+    """Return the signs of components for a mirror across an axis; None without symmetry."""
     first = stated[0]
     mirror = _mirror(first, axis)
     if mirror is None or not _itself(first, mirror):
@@ -94,7 +95,7 @@ def _signs(axis: int, stated: Sequence[Discretisation]) -> tuple[float, ...] | N
 
 
 def _mirror(own: Discretisation, axis: int) -> Mirror | None:
-    """Across the middle of all along an axis, if nodes and blocks lie alike on both sides."""
+    """Return the mirror across the middle along an axis, if nodes and blocks are symmetric."""
     boxes = [body.box for body in own.problem.bodies.values()]
     middle = (min(low[axis] for low, _ in boxes) + max(high[axis] for _, high in boxes)) / 2
     size = max(body.size for body in own.problem.bodies.values())
@@ -111,12 +112,12 @@ def _mirror(own: Discretisation, axis: int) -> Mirror | None:
             return None
         numbers = blocks.offset + np.arange(3 * len(pairs)).reshape(-1, 3)
         places[numbers] = numbers[pairs]
-        signs[numbers[:, [axis, 2]]] = -1  # what turns turns the other way round
+        signs[numbers[:, [axis, 2]]] = -1  # Rotations are reversed.
     return None if np.any(places < 0) else Mirror(places, signs)
 
 
 def _pairs(places: Floats, axis: int, middle: float, size: float) -> Ints | None:
-    """The number of the image of each place, (m, 2); None where one has none of its own."""
+    """Return the number of the image of each place, (m, 2); None if one has no image."""
     image = places.copy()
     image[:, axis] = 2 * middle - image[:, axis]
     far, pairs = KDTree(places).query(image)
@@ -125,7 +126,7 @@ def _pairs(places: Floats, axis: int, middle: float, size: float) -> Ints | None
 
 
 def _itself(own: Discretisation, mirror: Mirror) -> bool:
-    """Whether velocities and their images flow, touch, are held and are driven alike."""
+    """Return whether velocities and their images have equal flow, contact, supports and loads."""
     full = own.full
     velocity = np.random.default_rng(_SEED).normal(size=full.n)
     image = mirror.of(velocity)
@@ -143,7 +144,7 @@ def _itself(own: Discretisation, mirror: Mirror) -> bool:
 
 
 def _touching(velocity: Floats, contact: ContactRows) -> Floats:
-    """A number for each contact point that tells its motion and its law."""
+    """Return a number for each contact point that identifies its motion and its law."""
     normal = np.asarray(contact.normal @ velocity)
     slip = np.asarray(contact.tangential @ velocity).reshape(contact.count, -1)
     limit = np.where(np.isinf(contact.limit), -1.0, contact.limit)
@@ -158,7 +159,7 @@ def _per_largest(values: Floats) -> Floats:
 
 
 def _held(free: Sparse, velocity: Floats, mirror: Mirror) -> bool:
-    """Whether the image of a motion that supports leave, nearest to a random one, is such a one."""
+    """Return whether the image of a random free motion is a free motion."""
     squares = csc_matrix(free.T @ free)
     moved = mirror.of(free @ spsolve(squares, free.T @ velocity))
     return _near(free @ spsolve(squares, free.T @ moved), moved)

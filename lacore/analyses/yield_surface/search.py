@@ -1,4 +1,4 @@
-"""Directions that a yield surface is asked in, and what each proves (T82)."""
+"""Directions of a yield surface, and what each of them proves (T82)."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -26,21 +26,21 @@ from lacore.reporting.status import Rigor, Status
 
 _NEARLY = 1 - 1.5e-6  # cosine of a tenth of a degree
 
-_TRIES = 3  # of directions that nothing is proven in, before it is left as it is
-_AT_A_TIME = 2  # directions that are chosen at a time, whoever solves them
+_TRIES = 3  # number of directions without result before the search ends
+_AT_A_TIME = 2  # number of directions that are chosen at a time, for any number of threads
 
 
 @dataclass(frozen=True)
 class DirectionBounds:
-    """What is proven along one direction.
+    """Proven results along one direction.
 
     Attributes:
-        centre, direction: from where, and where to, (k,).
-        lower, upper: factors of the direction; NaN where there is none.
-        status: as it ended.
+        centre, direction: start and direction, (k,).
+        lower, upper: factors of the direction; NaN without one.
+        status: status at the end.
         normal: power of each component on the mechanism of the upper bound, (k,), or None.
-        rigors: of both bounds.
-        seconds: it took.
+        rigors: rigour of both bounds.
+        seconds: time.
     """
 
     centre: Floats
@@ -55,15 +55,15 @@ class DirectionBounds:
 
 @dataclass(frozen=True)
 class Asking:
-    """How directions are asked: the answer to one knows nothing of the others.
+    """Computation of directions, each independent of the others.
 
     Attributes:
-        components: that are combined.
-        backend, options: of all solves.
-        target: width of brackets; None: bounds on the mesh as it is.
+        components: components that are combined.
+        backend, options: backend of all solves.
+        target: width of brackets; None: bounds on the given mesh.
         convex: whether flow and friction are associated.
-        deforms: whether any body does, so that bounds are those of the continuum.
-        jobs: directions at a time, by threads.
+        deforms: whether any body is deformable, so that bounds are those of the continuum.
+        jobs: number of simultaneous directions in threads.
     """
 
     components: Components
@@ -75,12 +75,12 @@ class Asking:
     jobs: int
 
     def answers(self, centre: Floats, ways: Sequence[Floats]) -> list[DirectionBounds]:
-        """In the order of directions, the same whatever `jobs`."""
-        jobs = self.jobs if min(self.jobs, len(ways)) < 2 else 1  # of each direction
+        """Return the results in the order of directions, which do not depend on `jobs`."""
+        jobs = self.jobs if min(self.jobs, len(ways)) < 2 else 1  # jobs of each direction
         return list(each(lambda way: self.answer(centre, way, jobs), ways, self.jobs))
 
     def answer(self, centre: Floats, direction: Floats, jobs: int) -> DirectionBounds:
-        """Both bounds along a direction.
+        """Return both bounds along a direction.
 
         Raises:
             InputError: dead loads that are not carried.
@@ -103,7 +103,7 @@ class Asking:
         )
 
     def _state(self, stated: Problem) -> "_Bounds":
-        """Of rigid parts: one load factor, exact but for its residuals; or a Coulomb state."""
+        """Return the single load factor of rigid parts with its error, or a Coulomb state."""
         state = solve(stated, self.backend, options=self.options)
         value, wrong = proven_value(state), error(state)
         solved, label = state.status is Status.SOLVED, state.status.label
@@ -118,14 +118,14 @@ class Asking:
             return value, np.nan, label, rigors, None
         if not solved or state.point is None:
             return value - wrong, value + wrong, label, rigors, None
-        if from_below(stated):  # a point: mechanisms of cells bound nothing
+        if from_below(stated):  # This gives a point, as mechanisms of cells are not bounds.
             return value - wrong, np.nan, label, rigors, None
         lower, upper = proven(state)
         plane = state.discretisation.problem, state.point.velocity
         return lower if np.isfinite(lower) else np.nan, upper, label, rigors, plane
 
     def _bounds(self, stated: Problem, jobs: int) -> "_Bounds":
-        """Strict bounds of the continuum, on the mesh or on refined ones."""
+        """Return strict bounds of the continuum, on the mesh or on refined ones."""
         if self.target is not None:
             found = bracket(
                 stated, self.target, backend=self.backend, options=self.options, jobs=jobs
@@ -136,7 +136,8 @@ class Asking:
             above = upper_bound(stated, self.backend, options=self.options)
             ends = {below.status, above.status} - {Status.SOLVED}
             status = min((end.label for end in ends), default=Status.SOLVED.label)
-        if above.status is Status.UNSAFE:  # below it says so of its elements, for want of others
+        # The lower bound may be UNSAFE because of its elements alone.
+        if above.status is Status.UNSAFE:
             raise _falling()
         holds = below.status in (Status.SOLVED, Status.LOCKED) and not crossing(below, above)
         lower = below.load_factor if holds else np.nan
@@ -161,15 +162,16 @@ _Bounds = tuple[float, float, str, frozenset[Rigor], tuple[Problem, Floats] | No
 
 @dataclass
 class Search:
-    """What was asked, and what is proven so far.
+    """Directions that were computed, and what is proven so far.
 
     Attributes:
-        asking: who answers.
-        senses: signs of components that leave what is carried as it is, (s, k), the first all 1.
-        points: that are carried, (k,) each.
-        planes: that nothing lies beyond, (k + 1,) each.
-        rows: of the table.
-        rigors: of all bounds.
+        asking: computation of directions.
+        senses: signs of components that do not change whether loads are carried, (s, k), the first
+            all 1.
+        points: points that are carried, (k,) each.
+        planes: planes beyond which nothing is carried, (k + 1,) each.
+        rows: rows of the table.
+        rigors: rigour of all bounds.
     """
 
     asking: Asking
@@ -180,12 +182,12 @@ class Search:
     rigors: set[Rigor] = field(default_factory=set)
 
     def ask(self, centre: Floats, ways: Sequence[Floats]) -> list[bool]:
-        """Directions at a time; whether any of them gives a point or a plane."""
+        """Compute directions together; return whether any of them gives a point or a plane."""
         return [self._keep(answer) for answer in self.asking.answers(centre, ways)]
 
     def _keep(self, answer: DirectionBounds) -> bool:
         reach = answer.lower
-        if reach == np.inf:  # it is carried at any size, so at the one that was asked, too
+        if reach == np.inf:  # It is carried at any size, so also at the given one.
             reach = 1.0 if self.asking.convex else np.nan
         point = None if np.isnan(reach) else answer.centre + reach * answer.direction
         if point is not None:
@@ -210,25 +212,25 @@ class Search:
         return point is not None or answer.normal is not None
 
     def turns(self, axis: int) -> bool:
-        """Whether a component alone is carried in both senses alike."""
+        """Return whether a component alone is equivalent in both senses."""
         return bool(np.any(self.senses[:, axis] < 0))
 
     def along_axes(self, k: int) -> None:
-        """The components alone, in both senses where they differ."""
+        """Compute the components alone, in both senses if they differ."""
         for axis in np.eye(k):
             self.ask(np.zeros(k), [axis])
             if not self.turns(int(np.argmax(axis))):
                 self.ask(np.zeros(k), [-axis])
 
     def middle(self) -> tuple[Floats, Floats]:
-        """Half the extent of what is carried along each component, and a point inside."""
+        """Return half the extent of carried loads along each component, and a point inside."""
         names = self.asking.components.names
         k = len(names)
         ends = np.zeros((k, 2))
         for row in self.rows:
             size = row["lower"]
             if not np.isfinite(size):
-                size = row["upper"] if np.isfinite(row["upper"]) else 1.0  # locked: as it is given
+                size = row["upper"] if np.isfinite(row["upper"]) else 1.0  # locked: the given size
             axis = int(np.argmax(np.abs(row["direction"])))
             backward = row["direction"][axis] < 0
             ends[axis, int(backward)] = -size if backward else size
@@ -245,10 +247,10 @@ class Search:
         return half, ends.mean(axis=1) / k
 
     def refine(self, centre: Floats, scale: Floats, n: int) -> Finding | None:
-        """Directions to where the outer side is farthest from the inner one.
+        """Compute directions to where the outer set is farthest from the inner one.
 
         Returns:
-            Why it ended before `n` directions; None where it did not.
+            Why it ended before `n` directions; None if it did not.
         """
         axes = len(self.rows)
         first: list[Floats] = []
@@ -275,9 +277,9 @@ class Search:
     def _farthest(
         self, found: Hulls, centre: Floats, scale: Floats, known: Sequence[Floats]
     ) -> list[Floats]:
-        """Directions of _corners that are farthest out, and _apart from known ones.
+        """Return directions of the farthest corners that differ from known ones.
 
-        The second as if inner and outer met half-way in the first, and in its images.
+        The second is chosen as if inner and outer met half-way in the first, and in its images.
         """
         ways: list[Floats] = []
         points, far = list(found.inner), found.gauge
@@ -299,13 +301,13 @@ class Search:
         return ways
 
     def around(self, centre: Floats, scale: Floats, n: int) -> None:
-        """Directions at equal angles, or on a spiral around a sphere; always all of them."""
+        """Compute directions at equal angles, or on a spiral around a sphere, without early end."""
         ways = [scale * way for way in _spread(centre.size, n - len(self.rows))]
         for begin in range(0, len(ways), _AT_A_TIME):
             self.ask(centre, ways[begin : begin + _AT_A_TIME])
 
     def hulls(self, centre: Floats) -> Hulls | None:
-        """Both sides so far; None where points have no volume yet."""
+        """Return both sets so far; None if points have no volume yet."""
         if len(self.points) <= centre.size or not self.planes:
             return None
         planes = np.array(self.planes)
@@ -327,13 +329,13 @@ class Search:
 
 
 def _corners(k: int) -> Floats:
-    """Between the axes, of length 1, shape (2^k, k); opposite ones from both ends."""
+    """Return directions between the axes, of length 1, (2^k, k); opposite ones from both ends."""
     signs = np.array(np.meshgrid(*[[1.0, -1.0]] * k)).reshape(k, -1).T
     return np.asarray(signs / np.sqrt(k))
 
 
 def _spread(k: int, count: int) -> Floats:
-    """At equal angles, or on a spiral around a sphere, shape (count, k)."""
+    """Return directions at equal angles, or on a spiral around a sphere, shape (count, k)."""
     number = np.arange(count) + 0.5
     if k == 2:
         around = 2 * np.pi * number / max(count, 1)
@@ -345,6 +347,6 @@ def _spread(k: int, count: int) -> Floats:
 
 
 def _apart(one: Floats, other: Floats) -> bool:
-    """Whether directions differ by more than a tenth of a degree."""
+    """Return whether directions differ by more than a tenth of a degree."""
     size = float(np.linalg.norm(one) * np.linalg.norm(other))
     return float(one @ other) < _NEARLY * size
