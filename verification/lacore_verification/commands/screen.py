@@ -13,6 +13,7 @@ from rich.console import Console
 from lacore_verification.case import SOLVER
 from lacore_verification.harness.analysis.summary import DISCRETE, Shortfall, VariantSummary
 from lacore_verification.harness.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
+from lacore_verification.report.columns import Column, column, heads, line
 
 if TYPE_CHECKING:
     from lacore_verification.harness.analysis.history import History
@@ -29,10 +30,26 @@ _CHANGES = 20  # lines for runs that changed from one version to the next
 _REASONS = 7  # lines for what fell short
 _NAME = 30
 _STYLES = {PASS: "", FAIL: "bold red"}
-_LINE = "{:30} {:20} {:20} {:>10} {:>10} {:8} {:>8} {}".format
-_HEADS = (
-    ("", "", "proven bounds", "", "", "backends", "solve", ""),
-    ("", "reference", "or value", "error", "tolerance", "agreeing", "time", "verdict"),
+_CASES = (
+    Column("name", width=_NAME),
+    Column("expected", "reference", width=20),
+    Column("proven", "or value", width=20),
+    Column("error", form="g", width=10),
+    Column("tolerance", form="g", width=10),
+    Column("agree", "agreeing", width=8),
+    Column("seconds", "time", "g", width=8),
+    column("verdict"),
+)
+_ABOVE = ("", "", "proven bounds", "", "", "backends", "solve", "")
+_VERSIONS = (
+    Column("backend", width=30),
+    Column("version", "results", width=24),
+    column("runs", width=9),
+    column("success_rate", width=9),
+    column("certified_rate", title="certified", width=9),
+    column("correctness_rate", title="correct", width=9),
+    column("mean_time", title="mean s", width=10),
+    column("worst_error", title="max error %", width=10),
 )
 
 
@@ -58,8 +75,8 @@ def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
     cases.sort(key=lambda own: min(one.rank for one in own))
     shown = len(cases) if len(cases) <= _VARIANTS else _VARIANTS - _NAMES
     name = "case and its worst variant" if folded else "case and variant"
-    for head in _HEADS:
-        print_line(console, _LINE(head[0] or name if head is _HEADS[-1] else "", *head[1:]), "bold")
+    print_line(console, line(_CASES, _ABOVE), "bold")
+    print_line(console, heads((_CASES[0].but(title=name), *_CASES[1:])), "bold")
     for own in cases[:shown]:
         worst = min(own, key=lambda one: one.rank)
         more = f" +{len(own) - 1}" if len(own) > 1 else ""
@@ -71,10 +88,11 @@ def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
             worst.tolerance_text,
             f"{worst.agreeing} of {worst.asked}",
             f"{sum(one.seconds for one in own):.1f} s",
+            worst.verdict,
         )
-        print_line(console, _LINE(*cells, worst.verdict), _STYLES.get(worst.verdict, "dim"))
+        print_line(console, line(_CASES, cells), _STYLES.get(worst.verdict, "dim"))
     rest = [own[0].case for own in cases[shown:]]
-    for line in wrap(
+    for text in wrap(
         f"with smaller errors, or without any: {', '.join(rest)}" if rest else "",
         WIDTH,
         subsequent_indent="  ",
@@ -82,7 +100,7 @@ def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
         placeholder=" ... (--full)",
         break_on_hyphens=False,
     ):
-        print_line(console, line, "dim")
+        print_line(console, text, "dim")
     show_shortfalls(console, [short for own in found for short in own.shortfalls])
 
 
@@ -118,8 +136,8 @@ def show_shortfalls(console: Console, shortfalls: Sequence[Shortfall]) -> None:
         most = 1 if verdict == NO_RESULT else 2
         text = " ".join(f"{verdict}: {what}: {why}".split())
         lines += [
-            (line, "red" if verdict == FAIL else "dim")
-            for line in wrap(text, WIDTH, subsequent_indent="  ", max_lines=most, placeholder="...")
+            (part, "red" if verdict == FAIL else "dim")
+            for part in wrap(text, WIDTH, subsequent_indent="  ", max_lines=most, placeholder="...")
         ]
     for text, style in lines[:_REASONS]:
         print_line(console, text, style)
@@ -140,11 +158,8 @@ def show_rates(console: Console, rates: pd.DataFrame) -> None:
     ]
     text = f"claimed, certified and correct runs: {'; '.join(counts)}" if counts else ""
     lines = wrap(text, WIDTH, subsequent_indent="  ", max_lines=_RATES, placeholder=" ...")
-    for line in lines:
-        print_line(console, line, "dim")
-
-
-_VERSION = "{:30} {:24} {:>9} {:>9} {:>9} {:>9} {:>10} {:>10}".format
+    for part in lines:
+        print_line(console, part, "dim")
 
 
 def show_history(console: Console, versions: Sequence[Version], found: History) -> None:
@@ -152,14 +167,11 @@ def show_history(console: Console, versions: Sequence[Version], found: History) 
     for own in versions:
         about = f"lacore {own.lacore or 'unknown'}, {own.date or 'unknown date'}"
         print_line(console, f"{own.name}: {about}, {len(own.results)} runs, {own.place}")
-    heads = ("claimed %", "certified", "correct", "mean s", "max error %")
-    print_line(console, _VERSION("\nbackend", "results", "runs", *heads), "bold")
+    print_line(console, f"\n{heads(_VERSIONS)}", "bold")
     for row in found.backends.to_dict("records"):
-        shares = (row["success_rate"], row["certified_rate"], row["correctness_rate"])
-        cells = (*(_shown(100 * share, ".1f") for share in shares), _shown(row["mean_time"], ".3g"))
-        name, version = _cut(row["backend"], 30), _cut(row["version"], 24)
-        error = _shown(100 * row["worst_error"], ".3g")
-        print_line(console, _VERSION(name, version, str(row["runs"]), *cells, error))
+        names = _cut(row["backend"], 30), _cut(row["version"], 24)
+        numbers = (own.text(row[own.name]) or "-" for own in _VERSIONS[2:])
+        print_line(console, line(_VERSIONS, (*names, *numbers)))
     print_line(console, f"\n{len(found.changes)} runs changed, {found.worse} pass and now FAIL", "")
     for row in found.changes.head(_CHANGES).to_dict("records"):
         run = f"{row['case']}:{row['variant']} {row['mesh']} {row['backend']} {row['coupling']}"

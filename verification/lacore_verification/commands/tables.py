@@ -11,6 +11,7 @@ from rich.table import Table
 import lacore as la
 from lacore_verification.commands.screen import print_line
 from lacore_verification.harness.verdicts.words import FAIL, PASS, SKIPPED
+from lacore_verification.report.columns import Column, column, heads, line
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.row import Row
 
@@ -19,6 +20,23 @@ if TYPE_CHECKING:
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _MOST_REASONS = 10
+_RUNS = (
+    Column("mesh", "  mesh", width=8),
+    Column("backend", width=20),  # clarabel-regularised
+    Column("coupling", width=12),
+    column("load_factor", title="value", form=".6f", width=9),
+    column("expected", form=".6f", width=9),
+    column("error", width=8),
+    Column("outcome", "rigor/status", width=15),
+    column("outer_iterations", title="iter", width=4),
+    column("build_time", title="build s", width=7),
+    column("solve_time", title="solve s", width=7),
+    column("verdict"),
+)
+_FITTED = (
+    Column("range", "where it holds", width=24),
+    column("floor", form=".2g"),
+)
 
 
 def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
@@ -26,7 +44,7 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
 
     A heading names the reference interval, where there is one.
     """
-    console.print(_line(*_HEAD), style="bold", highlight=False, markup=False)
+    console.print(heads(_RUNS), style="bold", highlight=False, markup=False)
     before = ""
     for row in (outcome.row for outcome in outcomes):
         name = f"{row.case}:{row.variant}"
@@ -34,20 +52,16 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             within = f"   any of {row.expected}" if row.expected.startswith("[") else ""
             console.print(name + within, style="cyan", highlight=False, markup=False)
         before = name
-        line = _line(
-            row.mesh,
-            row.backend,
-            row.coupling,
-            _number(row.load_factor, ".6f"),
-            _expected(row),
-            _number(100 * row.error, "+.4f"),
+        cells = (
+            *(f"  {row.mesh}", row.backend, row.coupling, row.load_factor, _expected(row)),
+            row.error,
             row.rigor if row.status == la.Status.SOLVED.label else row.status,
-            _number(row.outer_iterations, ".0f"),
-            _number(row.build_time, ".2f"),
-            _number(row.solve_time, ".2f"),
+            *(row.outer_iterations, row.build_time, row.solve_time),
             f"{row.verdict} (model: {row.model})" if row.model else row.verdict,
         )
-        console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
+        console.print(
+            line(_RUNS, cells), style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False
+        )
         for note in _notes(row):
             print_line(console, f"         {note}", "dim")
     _show_reasons(console, outcomes)
@@ -93,11 +107,11 @@ def _standing(row: Row) -> str:
     return f"{text}; load factors {ends} are carried"
 
 
-def _expected(row: Row) -> str:
+def _expected(row: Row) -> float | str:
     """The reference, as far as it fits: of an interval the end that a value in it is nearest to."""
     if row.expected.startswith("["):
         return "interval"
-    return _number(row.reference, ".6f") if isfinite(row.reference) else row.expected
+    return row.reference if isfinite(row.reference) else row.expected
 
 
 def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
@@ -105,11 +119,17 @@ def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
     counts: dict[tuple[str, str, str], Counter[str]] = {}
     for row in (outcome.row for outcome in outcomes):
         counts.setdefault((row.case, row.backend, row.coupling), Counter())[row.status] += 1
-    line = "{:25} {:21} {:12} {:>5}  {}".format
-    print_line(console, line("case", "backend", "coupling", "runs", "statuses"), "bold")
+    shown = (
+        Column("case", width=25),
+        Column("backend", width=21),
+        Column("coupling", width=12),
+        column("runs", width=5),
+        Column("statuses"),
+    )
+    print_line(console, heads(shown), "bold")
     for names, statuses in counts.items():
         parts = ", ".join(f"{count} {status}" for status, count in statuses.most_common())
-        print_line(console, line(*names, statuses.total(), parts))
+        print_line(console, line(shown, (*names, statuses.total(), parts)))
     reasons: dict[tuple[str, str], list[str]] = {}
     for outcome in outcomes:
         if outcome.row.verdict != PASS:
@@ -129,88 +149,68 @@ def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
 
 def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
     """Fitted slopes, a line each; where there is none, why."""
-    line = "{:35} {:8} {:21} {:17} {:>7} {:>6}  {:24} {}".format
-    head = ("case", "mesh", "backend", "error", "slope", "T19", "where it holds", "floor")
-    print_line(console, "\n" + line(*head), "bold")
+    shown = (
+        Column("case", width=35),
+        Column("mesh", width=8),
+        Column("backend", width=21),
+        Column("error", width=17),
+        column("slope", form=".3f", width=7),
+        column("expected", title="T19", width=6),
+        *_FITTED,
+    )
+    print_line(console, "\n" + heads(shown), "bold")
     for record in records:
         name = record["parameter"].partition("_")[2]
         within = f"{name} {record['start']:.3g} to {record['stop']:.3g}"
         cells = (
             f"{record['case']}:{record['variant']}",
-            *(record[key] for key in ("mesh", "backend", "error")),
-            _number(record["slope"], ".3f"),
-            _number(record["expected"], "g"),
+            *(record[key] for key in ("mesh", "backend", "error", "slope", "expected")),
             record["reason"] or within,
-            _number(record["floor"], ".2g"),
+            record["floor"],
         )
-        print_line(console, line(*cells), "dim" if record["reason"] else "")
+        print_line(console, line(shown, cells), "dim" if record["reason"] else "")
 
 
 def show_step_orders(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
     """Orders of paths in their steps, a line each; where there is none, why."""
-    line = "{:22} {:34} {:9} {:12} {:>7} {:>6}  {:24} {}".format
-    head = ("case", "path", "mesh", "backend", "order", "T30", "where it holds", "floor")
-    print_line(console, "\n" + line(*head), "bold")
+    shown = (
+        Column("case", width=22),
+        Column("path", width=34),
+        Column("mesh", width=9),
+        Column("backend", width=12),
+        column("order", form=".3f", width=7),
+        column("expected", title="T30", width=6),
+        *_FITTED,
+    )
+    print_line(console, "\n" + heads(shown), "bold")
     for record in records:
         names = [key for key in record if key.startswith(("param_", "size_"))]
         within = f"{record['start']:.0f} to {record['stop']:.0f} steps"
         cells = (
             record["case"],
             ", ".join(str(record[name]) for name in names if record[name] == record[name]),
-            *(record[key] for key in ("mesh", "backend")),
-            _number(record["order"], ".3f"),
-            _number(record["expected"], "g"),
+            *(record[key] for key in ("mesh", "backend", "order", "expected")),
             record["reason"] or within,
-            _number(record["floor"], ".2g"),
+            record["floor"],
         )
-        print_line(console, line(*cells), "dim" if record["reason"] else "")
+        print_line(console, line(shown, cells), "dim" if record["reason"] else "")
 
 
 def show_couplings(console: Console, couplings: "pd.DataFrame") -> None:
     """How each coupling fared: how many runs it certified, and with how many inner solves."""
-    line = "  {:12} {:20} {:>9} {:>7} {:>7} {:>5}".format
-    print_line(console, "\ncouplings, for problems that have a load factor", "cyan")
-    print_line(console, line("coupling", "backend", "certified", "median", "most", "FAIL"), "bold")
-    for own in couplings.to_dict("records"):
-        shares = f"{own['solved']}/{own['cases']}"
-        solves = (_number(own["median"], "g"), _number(own["most"], "g"))
-        print_line(console, line(own["coupling"], own["backend"], shares, *solves, own["failed"]))
-
-
-_HEAD = (
-    "mesh",
-    "backend",
-    "coupling",
-    "value",
-    "reference",
-    "error %",
-    "rigor/status",
-    "iter",
-    "build s",
-    "solve s",
-    "verdict",
-)
-
-
-def _line(*cells: str) -> str:
-    formats = (
-        "  {:6}",
-        "{:20}",  # clarabel-regularised
-        "{:12}",
-        "{:>9}",
-        "{:>9}",
-        "{:>8}",
-        "{:15}",
-        "{:>4}",
-        "{:>7}",
-        "{:>7}",
-        "{}",
+    shown = (
+        Column("coupling", width=12),
+        Column("backend", width=20),
+        column("solved", width=9),
+        column("median", title="median", width=7),
+        column("most", title="most", width=7),
+        column("failed", width=5),
     )
-    return " ".join(how.format(cell) for how, cell in zip(formats, cells, strict=True))
-
-
-def _number(value: float, how: str) -> str:
-    return format(value, how) if isfinite(value) else ("" if value != value else str(value))
+    print_line(console, "\ncouplings, for problems that have a load factor", "cyan")
+    print_line(console, f"  {heads(shown)}", "bold")
+    for own in couplings.to_dict("records"):
+        own["solved"] = f"{own['solved']}/{own['cases']}"
+        print_line(console, f"  {line(shown, [own[one.name] for one in shown])}")
 
 
 def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
@@ -225,10 +225,10 @@ def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
 
 def show_cases(console: Console, records: Sequence[dict[str, Any]]) -> None:
     """Print for each case a line, its variants and tags, and the backends that cannot solve it."""
-    line = "{:25} {:10} {}".format
-    print_line(console, line("name", "runs", "title"), "bold")
+    own = (Column("name", width=25), Column("runs", width=10), Column("title"))
+    print_line(console, heads(own), "bold")
     for record in records:
-        print_line(console, line(record["id"], record["run"], record["title"]))
+        print_line(console, line(own, (record["id"], record["run"], record["title"])))
         variants = record["variants"]
         shown = ", ".join(variants[:8]) + (f", ... {len(variants)}" if len(variants) > 8 else "")
         print_line(console, f"  variants: {shown}; meshes: {', '.join(record['meshes'])}", "dim")
@@ -247,15 +247,20 @@ def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:
     def say(text: str, style: str = "") -> None:
         print_line(console, text, style)
 
-    line = "{:21} {:28} {:12} {:27} {:10} {:11} {:16} {}".format
-    say(
-        line("name", "version", "solution", "programs", "hardening", "warm start", "runs", "state"),
-        "bold",
+    shown = (
+        Column("name", width=21),
+        Column("version", width=28),
+        Column("solves", "solution", width=12),
+        Column("takes", "programs", width=27),
+        Column("hardening", width=10),
+        Column("warm_start", width=11),
+        Column("run", "runs", width=16),
     )
+    say(f"{heads(shown)} state", "bold")
     for record in records:
-        keys = ("name", "version", "solves", "takes", "hardening", "warm_start", "run")
         ready = record["state"] == "ready"
-        say(line(*(record[key] for key in keys), "ready" if ready else "missing"))
+        state = "ready" if ready else "missing"
+        say(f"{line(shown, [record[own.name] for own in shown])} {state}")
         if ":" not in record["name"]:
             say(f"  {record['title']}", "dim")
         if not ready:
@@ -270,15 +275,19 @@ def show_conformance(
     def say(text: str, style: str = "") -> None:
         print_line(console, text, style)
 
-    line = "  {:31} {:8} {:>7} {:24} {:>9} {:>9}".format
+    shown = (
+        Column("program", width=31),
+        column("verdict", width=8),
+        Column("checks", form=".0f", width=7),
+        Column("closest", "check nearest its limit", width=24),
+        Column("value", "error", ".1e", width=9),
+        Column("allowed", form=".1e", width=9),
+    )
     say(name, "cyan")
-    say(line("program", "verdict", "checks", "check nearest its limit", "error", "allowed"), "bold")
+    say(f"  {heads(shown)}", "bold")
     for record in records:
-        cells = (
-            *(record[key] for key in ("program", "verdict", "checks", "closest")),
-            *(_number(record[key], ".1e") for key in ("value", "allowed")),
-        )
-        say(line(*cells), _STYLES.get(record["verdict"], "dim"))
+        cells = line(shown, [record[own.name] for own in shown])
+        say(f"  {cells}", _STYLES.get(record["verdict"], "dim"))
     for reason in dict.fromkeys(r["message"] for r in records if r["verdict"] == SKIPPED):
         say(f"skipped: {reason}", "dim")
     for text in failures:

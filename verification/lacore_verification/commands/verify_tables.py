@@ -10,9 +10,35 @@ from lacore_verification.harness.analysis.summary import Shortfall
 from lacore_verification.harness.campaigns.comparison import is_regularised
 from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from lacore_verification.harness.verify.finding import Finding
+from lacore_verification.report.columns import Column, column, heads, line
 
 _VALUES = ("value", "path")
 _ORDERS = ("order", "steps")
+_SHOWN = (("residuals",), _ORDERS, ("bracket",), ("gap",))
+_OF_CASES = (
+    Column("case", width=24),
+    Column("variants", form="g", width=8),
+    Column("pass", form="g", width=9),
+    column("error", title="error", width=9),
+    Column("tolerance", width=22),
+    Column("residuals", form=".0e", width=9),
+    column("order", form=".2f", width=5),
+    column("width", width=7),
+    column("gap", form=".0e", width=6),
+    column("verdict"),
+)
+_OF_RUNS = (
+    Column("backend", "  backend", width=22),
+    Column("coupling", width=12),
+    Column("meshes", width=22),
+    Column("value", "value %", "+.4f", scale=100, width=12),
+    Column("side", form="+.1e", width=9),
+    Column("residuals", form=".1e", width=9),
+    column("order", form=".2f", width=6),
+    column("width", width=7),
+    column("gap", form=".0e", width=7),
+    Column("verdict", " verdict"),
+)
 
 
 def show_cases(console: Console, findings: Sequence[Finding]) -> None:
@@ -20,12 +46,7 @@ def show_cases(console: Console, findings: Sequence[Finding]) -> None:
 
     For loading paths, the error is the largest along the path, and the order that of the steps.
     """
-    line = "{:24} {:>8} {:>9} {:>9} {:22} {:>9} {:>5} {:>7} {:>6} {}".format
-    head = (
-        *("case", "variants", "pass", "error", "tolerance", "residuals", "order"),
-        *("width %", "gap", "verdict"),
-    )
-    print_line(console, line(*head), "bold")
+    print_line(console, heads(_OF_CASES), "bold")
     cases: dict[str, list[Finding]] = {}
     for found in findings:
         cases.setdefault(found.case, []).append(found)
@@ -40,13 +61,11 @@ def show_cases(console: Console, findings: Sequence[Finding]) -> None:
             f"{passed} of {len(own)}",
             "" if value is None else f"{100 * value.measured:+.2g} %",
             "" if value is None else value.allowed[:22],
-            _measured(_worst(own, ("residuals",)), ".0e"),
-            _measured(_worst(own, _ORDERS), ".2f"),
-            _measured(_worst(own, ("bracket",)), ".2f", 100),
-            _measured(_worst(own, ("gap",)), ".0e"),
+            *map(_measured, (_worst(own, checks) for checks in _SHOWN)),
+            verdict,
         )
         style = {PASS: "", FAIL: "bold red"}.get(verdict, "dim")
-        print_line(console, line(*cells, verdict), style)
+        print_line(console, line(_OF_CASES, cells), style)
     show_shortfalls(
         console,
         [
@@ -70,8 +89,8 @@ def _worst(findings: Sequence[Finding], checks: Sequence[str]) -> Finding | None
     return max(found, key=lambda one: abs(one.measured), default=None)
 
 
-def _measured(found: Finding | None, how: str, scale: float = 1.0) -> str:
-    return "" if found is None else format(scale * found.measured, how)
+def _measured(found: Finding | None) -> float | None:
+    return None if found is None else found.measured
 
 
 def show_findings(console: Console, findings: Sequence[Finding]) -> None:
@@ -79,12 +98,7 @@ def show_findings(console: Console, findings: Sequence[Finding]) -> None:
 
     For a loading path, the value is its largest error, and the order that of the steps.
     """
-    line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6} {:>7} {:>7}  {}".format
-    head = (
-        *("backend", "coupling", "meshes", "value %", "side", "residuals", "order"),
-        *("width %", "gap", "verdict"),
-    )
-    print_line(console, line(*head), "bold")
+    print_line(console, heads(_OF_RUNS), "bold")
     groups: dict[tuple[str, str, str], dict[str, Finding]] = {}
     for found in findings:
         key = (f"{found.case}:{found.variant}", found.backend, found.coupling)
@@ -96,19 +110,14 @@ def show_findings(console: Console, findings: Sequence[Finding]) -> None:
         before = name
         failed = [check for check, found in checks.items() if found.verdict == FAIL]
         meshes = next(found.meshes for found in checks.values())
-        cells = (
-            _cell(checks, "status", "")
-            or _cell(checks, "value", "+.4f", 100)
-            or _cell(checks, "path", ".4f", 100),
-            _cell(checks, "side", "+.1e"),
-            _cell(checks, "residuals", ".1e"),
-            _cell(checks, "order", ".2f") or _cell(checks, "steps", ".2f"),
-            _cell(checks, "bracket", ".2f", 100),
-            _cell(checks, "gap", ".0e"),
-        )
         verdict = f"FAIL: {', '.join(failed)}" if failed else _verdict(checks)
+        cells = (
+            *(f"  {backend}", coupling, meshes, _value(checks)),
+            *(_cell(checks, *names) for names in (("side",), *_SHOWN)),
+            f" {verdict}",
+        )
         style = "bold red" if failed else "" if verdict == PASS else "dim"
-        print_line(console, line(backend, coupling, meshes, *cells, verdict), style)
+        print_line(console, line(_OF_RUNS, cells), style)
     for found in findings:
         if found.verdict == FAIL:
             print_line(console, f"\nFAIL {found.check}: {found.why}", "red")
@@ -123,11 +132,21 @@ def _verdict(checks: Mapping[str, Finding]) -> str:
     return next(kind for kind in (FAIL, NO_RESULT, NO_REFERENCE, PASS, SKIPPED) if kind in verdicts)
 
 
-def _cell(checks: Mapping[str, Finding], check: str, how: str, scale: float = 1.0) -> str:
-    """What a check measured, or the status that was expected and found."""
-    found = checks.get(check)
-    if found is None or found.verdict == SKIPPED:
-        return ""
-    if isfinite(found.measured):
-        return format(scale * found.measured, how)
-    return found.verdict if found.verdict == FAIL or how else found.allowed
+def _value(checks: Mapping[str, Finding]) -> float | str:
+    """Return the error, of a path the largest one, or the status that was expected and found."""
+    for name in ("status", "path"):
+        found = checks.get(name)
+        if found is not None and found.verdict != SKIPPED:
+            if isfinite(found.measured):
+                return f"{100 * found.measured:.4f}"
+            return found.verdict if found.verdict == FAIL or name == "path" else found.allowed
+    return _cell(checks, "value")
+
+
+def _cell(checks: Mapping[str, Finding], *names: str) -> float | str:
+    """Return what the first of some checks measured, or its verdict."""
+    for name in names:
+        found = checks.get(name)
+        if found is not None and found.verdict != SKIPPED:
+            return found.measured if isfinite(found.measured) else found.verdict
+    return ""

@@ -10,8 +10,8 @@ from lacore_verification.case.band import BRACKET
 from lacore_verification.harness.analysis.slope_fits import fit_slope
 from lacore_verification.report.blocks import Drawing, Table
 from lacore_verification.report.charts.axes import ELEMENTS, Axis, fitted
-from lacore_verification.report.columns import Column
-from lacore_verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
+from lacore_verification.report.columns import CERTIFICATE, RUN, Column, column, columns
+from lacore_verification.report.tables import with_certificates
 from lacore_verification.runs.outcome import Outcome
 
 _WIDTH = Axis("width", "(upper − lower)/mean")
@@ -22,21 +22,18 @@ _ANY = 100.0  # bounds close in by steps: their local slopes are anything
 
 def brackets_table(results: pd.DataFrame) -> Table:
     """Return the proven bounds and the reference between them."""
-    columns = (
-        Column("verdict", moods=VERDICTS, hover="why"),
-        Column("variant"),
-        Column("backend"),
+    shown = columns(
+        *(column("verdict", hover="why"), "variant", "backend"),
         Column("lower", "lower bound", ".7f", link=CERTIFICATE),
-        Column("expected", "reference", "g", order="reference"),
+        "expected",
         Column("upper", "upper bound", ".7f"),
-        Column("width", "width %", ".2f", scale=100),
-        Column("rigor"),
+        *("width", "rigor"),
         Column("n_elements_lower", "elements, lower", ".0f"),
-        Column("n_elements", "elements, upper", ".0f"),
-        Column("outer_iterations", "solves", ".0f"),
-        Column("solve_time", "solve time, s", ".2f"),
+        column("n_elements", title="elements, upper"),
+        column("outer_iterations", title="solves"),
+        "solve_time",
     )
-    return Table(columns, with_certificates(results), anchor=RUN, caption="Lower and upper bounds")
+    return Table(shown, with_certificates(results), anchor=RUN, caption="Lower and upper bounds")
 
 
 def widths(outcome: Outcome) -> pd.DataFrame:

@@ -26,7 +26,7 @@ from lacore_verification.report.blocks import (
     Table,
     Text,
 )
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import Column, columns
 from lacore_verification.report.description import counted, lead
 from lacore_verification.report.drawing import (
     Drawn,
@@ -40,7 +40,6 @@ from lacore_verification.report.files import INDEX, case_files, write
 from lacore_verification.report.overview import answers, cards, filters, first_thumbnail
 from lacore_verification.report.page import explained, results_frame, results_of
 from lacore_verification.report.reporting import pictures_of
-from lacore_verification.report.tables import VERDICTS
 from lacore_verification.runs.outcome import Outcome
 
 _NO_KIND = "others"
@@ -172,14 +171,8 @@ def page_of(
 
 
 def _checks_table(checks: pd.DataFrame) -> Table:
-    columns = (
-        Column("verdict", moods=VERDICTS),
-        *(Column(name) for name in ("check", "variant", "backend", "coupling", "meshes")),
-        Column("measured", "measured", ".3g"),
-        Column("allowed"),
-        Column("why", "reason", long=True),
-    )
-    return Table(columns, checks)
+    names = ("verdict", "check", "variant", "backend", "coupling", "meshes")
+    return Table(columns(*names, Column("measured", form=".3g"), "allowed", "why"), checks)
 
 
 def _sketch(case: Case, drawn: Drawn) -> Block:
@@ -190,13 +183,13 @@ def _sketch(case: Case, drawn: Drawn) -> Block:
 
 def _variants_table(case: Case) -> Table:
     names = list(dict.fromkeys(name for one in case.variants for name in one.parameters))
-    columns = (Column("variant"), *(Column(name) for name in names), Column("reference"))
     rows = [
         {"variant": one.name, "reference": case.reference_of(one).text}
         | {name: _text(one, name) for name in names}
         for one in case.variants
     ]
-    return Table(columns, pd.DataFrame(rows), caption=f"Reference values in {case.unit}")
+    shown = columns("variant", *map(Column, names), "reference")
+    return Table(shown, pd.DataFrame(rows), caption=f"Reference values in {case.unit}")
 
 
 def _text(variant: Variant, name: str) -> str:
@@ -212,9 +205,7 @@ def _meshes(case: Case) -> list[Block]:
         {"mesh": mesh} | {name: f"{size.get(name, '')}" for name in names}
         for mesh, size in case.meshes.items()
     ]
-    blocks: list[Block] = [
-        Table([Column("mesh"), *(Column(name) for name in names)], pd.DataFrame(rows))
-    ]
+    blocks: list[Block] = [Table(columns("mesh", *map(Column, names)), pd.DataFrame(rows))]
     for variant in case.variants:
         order = case.order_of(variant)
         if order is not None:

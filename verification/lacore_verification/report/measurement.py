@@ -10,7 +10,7 @@ from lacore_verification.harness.analysis.settings import settings
 from lacore_verification.harness.verdicts.limit_state import FINDS_NONE
 from lacore_verification.harness.verdicts.words import SKIPPED
 from lacore_verification.report.blocks import Block, Details, Section, Table, Text
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import Column, columns
 from lacore_verification.runs.run import Run
 
 
@@ -18,20 +18,14 @@ def settings_section(runs: Iterable[Run]) -> Section:
     """Return the options of all backends, those that were changed first."""
     found = settings(runs).sort_values("changed", ascending=False, kind="stable")
     shown = found.assign(changed=found["changed"].map({True: "changed", False: "default"}))
-    columns = (
-        Column("backend"),
-        Column("setting"),
-        Column("option"),
-        Column("value"),
-        Column("default"),
-        Column("changed", "source"),
-    )
+    names = ("backend", "setting", "option", "value", "default")
+    shown_columns = columns(*names, Column("changed", "source"))
     lead = (
         "The time limit of a run replaces a longer time_limit. Brackets choose tolerances"
         " themselves."
     )
     title = "Options of all backends"
-    return Section("settings", "Settings", [Details(title, [Table(columns, shown)])], lead)
+    return Section("settings", "Settings", [Details(title, [Table(shown_columns, shown)])], lead)
 
 
 def noise_section(results: pd.DataFrame) -> Section:
@@ -72,11 +66,11 @@ def _statement(found: Noise) -> str:
 
 def _table(pairs: pd.DataFrame, caption: str = "") -> Table:
     shown = pairs.assign(decided=pairs["undecided"].map({True: "no", False: "yes"}))
-    columns = (
+    own = columns(
         Column("one", "faster"),
         Column("other", "slower"),
         Column("problems", "problems solved by both", ".0f"),
         Column("ratio", "ratio of times, geometric mean", ".3g"),
-        Column("decided"),
+        "decided",
     )
-    return Table(columns, shown, caption)
+    return Table(own, shown, caption)

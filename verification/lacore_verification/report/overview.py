@@ -11,21 +11,20 @@ from lacore_verification.case.band import BRACKET
 from lacore_verification.harness.analysis.summary import VariantSummary, summaries
 from lacore_verification.harness.verdicts.words import FAIL, PASS
 from lacore_verification.report.blocks import Card, Cards, Filters, Page, Picture, Table
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import CERTIFICATE, Column, columns
 from lacore_verification.report.description import lead
 from lacore_verification.report.drawing import Drawn, Subject, thumbnail_of
-from lacore_verification.report.tables import CERTIFICATE, VERDICTS
 from lacore_verification.runs.outcome import Outcome
 
-_COLUMNS = (
-    Column("variant"),
+_COLUMNS = columns(
+    "variant",
     Column("proven", "proven bounds or value", link=CERTIFICATE, hover="told"),
     Column("expected", "reference"),
     Column("error", "error %", "+.3g", scale=100, order="size"),
     Column("allowed", "tolerance %", "+.3g", scale=100),
     Column("agree", "backends agreeing", order="agreeing"),
     Column("seconds", "solve time, s", ".1f"),
-    Column("verdict", moods=VERDICTS),
+    "verdict",
 )
 
 ORDER = "failures, then largest errors"

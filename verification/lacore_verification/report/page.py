@@ -45,7 +45,7 @@ from lacore_verification.report.blocks import (
     Text,
 )
 from lacore_verification.report.charts.figures import sweep_chart
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import RUN, Column
 from lacore_verification.report.description import counted, description, lead
 from lacore_verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from lacore_verification.report.files import INDEX, case_files
@@ -58,7 +58,6 @@ from lacore_verification.report.overview import (
     solver_filter,
 )
 from lacore_verification.report.tables import (
-    RUN,
     beside_table,
     certificates_table,
     commands,

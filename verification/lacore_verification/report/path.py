@@ -13,8 +13,8 @@ from lacore_verification.report.blocks import Drawing, Table
 from lacore_verification.report.charts.axes import figure_axes, labelled, legend
 from lacore_verification.report.charts.svg import Chart, Tip
 from lacore_verification.report.charts.theme import INK, MARKERS, SERIES, styled
-from lacore_verification.report.columns import Column
-from lacore_verification.report.tables import RUN, VERDICTS
+from lacore_verification.report.columns import RUN, Column, column, columns
+from lacore_verification.report.tables import HOW
 from lacore_verification.runs.outcome import Outcome
 
 _POINTS = 101  # of an exact curve
@@ -67,23 +67,21 @@ def path_chart(case: Case, outcomes: Sequence[Outcome]) -> Drawing | None:
 
 def paths_table(results: pd.DataFrame) -> Table:
     """Return the results of each path."""
-    columns = (
-        Column("verdict", moods=VERDICTS, hover="why"),
+    shown = columns(
+        column("verdict", hover="why"),
         Column("variant", link=RUN),
-        Column("mesh", order="n_elements"),
-        Column("backend"),
+        *(HOW[0], "backend"),
         Column("param_steps", "steps", ".0f"),
         Column("param_scheme", "scheme"),
-        Column("ending"),
-        Column("path_error", "largest error %", ".4f", scale=100),
+        *("ending", "path_error"),
         Column("volume_change", "volume change per step", ".1e"),
         Column("lower", "initial lower bound", ".5f"),
         Column("start", "initial load", ".5f"),
         Column("upper", "initial upper bound", ".5f"),
         Column("reading", "reading", ".4g"),
-        Column("outer_iterations", "inner solves", ".0f"),
+        "outer_iterations",
     )
-    return Table(columns, results, caption="Paths")
+    return Table(shown, results, caption="Paths")
 
 
 def _travel(case: Case, shown: Sequence[Outcome]) -> str:

@@ -1,6 +1,6 @@
 """Tables of runs: results, times, reasons, certificates, commands; and the columns they share."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import isfinite, nan
 from typing import Any
 
@@ -10,29 +10,23 @@ import lacore as la
 from lacore_verification.case import RANGE, Case, Variant
 from lacore_verification.harness.analysis.effort import couplings
 from lacore_verification.report.blocks import Block, Table, Text
-from lacore_verification.report.columns import Anchor, Column
+from lacore_verification.report.columns import CERTIFICATE, RUN, Column, column, columns
 from lacore_verification.runs.commands import INSTANCES
 from lacore_verification.runs.outcome import Outcome
 from lacore_verification.runs.row import Row
 
-VERDICTS: Mapping[str, str] = {"pass": "good", "FAIL": "bad"}
-"""Colours of verdicts; all others are mild."""
-RUN = Anchor("run", "run")
-"""Row of a run."""
-CERTIFICATE = Anchor("certificate", "certificate")
-"""Certificate of a run."""
 _RESIDUAL = "residual_"
-WHO = (Column("variant"), Column("backend"))
+WHO = columns("variant", "backend")
 """First columns; few, so that a telephone shows the load factor next to them."""
-HOW = (Column("mesh", order="n_elements"), Column("coupling"))
+HOW = columns(Column("mesh", order="n_elements"), "coupling")
 _NAMES = (*WHO, *HOW)
 
 
 def reasons_table(results: pd.DataFrame) -> Table:
     """Return the reason for each verdict, and the log of each run that printed something."""
-    columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", "reason", long=True))
     logged = "log" in results and results["log"].fillna("").ne("").any()
-    return Table((*columns, Column("log", file=True)) if logged else columns, results)
+    log = [Column("log", file=True)] if logged else []
+    return Table(columns("verdict", *_NAMES, "why", *log), results)
 
 
 def commands(results: pd.DataFrame) -> list[Block]:
@@ -79,9 +73,9 @@ def certificates_table(results: pd.DataFrame) -> Table:
     """Return the residuals of runs that have any; load factors link back to their runs."""
     proven = with_certificates(results)
     proven = proven[proven[CERTIFICATE.column].notna()]
-    columns = (
+    shown = (
         *WHO,
-        Column("load_factor", "load factor", ".7f", link=RUN),
+        column("load_factor", link=RUN),
         *HOW,
         *varied(results),
         *(
@@ -90,7 +84,7 @@ def certificates_table(results: pd.DataFrame) -> Table:
         ),
         *_program(results),
     )
-    return Table(columns, proven, anchor=CERTIFICATE)
+    return Table(shown, proven, anchor=CERTIFICATE)
 
 
 def varied(results: pd.DataFrame) -> list[Column]:
@@ -118,41 +112,38 @@ def results_table(results: pd.DataFrame) -> Table:
     """Return all runs; load factors link to their certificates."""
     solved = results["status"] == la.Status.SOLVED.label
     outcome = results["rigor"].where(solved, results["status"])
-    columns = (
-        Column("verdict", moods=VERDICTS, hover="why"),
+    shown = columns(
+        column("verdict", hover="why"),
         *WHO,
-        Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
-        Column("error", "error %", "+.4f", scale=100),
-        Column("expected", "reference", "g", order="reference"),
+        column("load_factor", link=CERTIFICATE),
+        *("error", "expected"),
         *HOW,
         *_answers(results),
         *_models(results),
-        Column("n_elements", "elements", ".0f"),
+        "n_elements",
         *varied(results),
         Column("energy", "energy C", ".2g"),
         Column("outcome", "rigour, status"),
         *_standing(results),
-        Column("outer_iterations", "inner solves", ".0f"),
-        Column("solve_time", "solve time, s", ".2f"),
+        *("outer_iterations", "solve_time"),
     )
-    return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
+    return Table(shown, with_certificates(results).assign(outcome=outcome), anchor=RUN)
 
 
 def times_table(results: pd.DataFrame) -> Table:
     """Return the times to build and to solve, next to those that solvers report."""
-    build = Column("build_time", "build time, s", ".2f")
-    solve = Column("solve_time", "solve time, s", ".3g")
-    return Table((*WHO, *HOW, build, solve, *_solver_times(results)), results)
+    times = columns("build_time", column("solve_time", form=".3g"))
+    return Table((*WHO, *HOW, *times, *_solver_times(results)), results)
 
 
 def _solver_times(results: pd.DataFrame) -> tuple[Column, ...]:
     """Return the columns of times of the backend alone; older results have none."""
-    columns = (
+    times = (
         Column("solver_time", "in the solver, s", ".3g"),
         Column("reported_time", "as the solver reports, s", ".3g"),
         Column("compile_time", "compilation, s", ".2g"),
     )
-    return tuple(own for own in columns if own.name in results and results[own.name].notna().any())
+    return tuple(own for own in times if own.name in results and results[own.name].notna().any())
 
 
 def _answers(results: pd.DataFrame) -> tuple[Column, ...]:
@@ -176,35 +167,24 @@ def _standing(results: pd.DataFrame) -> tuple[Column, ...]:
 
 def couplings_table(results: pd.DataFrame) -> Table:
     """Return how often the couplings of each backend succeed."""
-    columns = (
-        Column("coupling"),
-        Column("backend"),
-        Column("solved", "certified", ".0f"),
-        Column("cases", "cases", ".0f"),
-        Column("median", "inner solves, median", "g"),
-        Column("most", "inner solves, maximum", "g"),
-        Column("failed", "FAIL", ".0f"),
-    )
-    return Table(columns, couplings(results))
+    names = ("coupling", "backend", "solved", Column("cases", form=".0f"))
+    return Table(columns(*names, "median", "most", "failed"), couplings(results))
 
 
 def ranges_table(results: pd.DataFrame) -> Table:
     """Return the lowest and the highest certified load factors, and the bound of all of them."""
-    columns = (
-        Column("verdict", moods=VERDICTS, hover="why"),
-        Column("variant"),
-        Column("backend"),
+    shown = columns(
+        column("verdict", hover="why"),
+        *WHO,
         Column("lowest", "lowest found", ".6f", link=CERTIFICATE),
         Column("highest", "highest found", ".6f"),
         Column("upper", "proven upper bound", ".6f"),
-        Column("gap", "largest gap", ".1e"),
+        column("gap", title="largest gap"),
         HOW[0],
-        Column("n_elements", "elements", ".0f"),
-        Column("outer_iterations", "inner solves", ".0f"),
-        Column("solve_time", "solve time, s", ".2f"),
+        *("n_elements", "outer_iterations", "solve_time"),
     )
     caption = "Found by searches from several starting points; lower or higher ones may exist"
-    return Table(columns, with_certificates(results), anchor=RUN, caption=caption)
+    return Table(shown, with_certificates(results), anchor=RUN, caption=caption)
 
 
 def beside_table(case: Case, outcomes: Sequence[Outcome]) -> list[Block]:
@@ -222,8 +202,8 @@ def beside_table(case: Case, outcomes: Sequence[Outcome]) -> list[Block]:
     ]
     if not rows:
         return []
-    columns = (
-        Column("variant"),
+    shown = columns(
+        "variant",
         Column("what", "result or source"),
         Column("value", "load factor", ".5g"),
         Column("share", "share of associated, %", ".1f", scale=100),
@@ -231,7 +211,7 @@ def beside_table(case: Case, outcomes: Sequence[Outcome]) -> list[Block]:
     )
     return [
         Table(
-            columns,
+            shown,
             pd.DataFrame(rows),
             caption="Comparison with other methods and published values",
             sortable=False,

@@ -14,7 +14,7 @@ from lacore_verification.report.charts import axes
 from lacore_verification.report.charts.axes import Axis
 from lacore_verification.report.charts.lines import LINE, with_lines
 from lacore_verification.report.charts.svg import Chart
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import Column, columns
 
 _ERRORS = {"error_alpha_reg": "α* − α_reg", "error_lambda": "α* − λ"}
 _PARAMETERS = {
@@ -24,20 +24,11 @@ _PARAMETERS = {
     "option_normal": "normal penalty K_n",
     "option_tangential": "tangential penalty K_t",
 }
-_NAMES = (Column("case"), Column("variant"))
-_FIT = (
-    Column("slope", form="+.3f"),
-    Column("low", "from", "+.3f"),
-    Column("high", "to", "+.3f"),
-)
-_RANGE = (
-    Column("start", "valid from", ".2g"),
-    Column("stop", "to", ".2g"),
-    Column("points", form=".0f"),
-    Column("usable", "usable points", ".0f"),
-    Column("floor", form=".1e"),
-    Column("reason", long=True),
-)
+_NAMES = columns("case", "variant")
+_FIT = columns("slope", Column("low", "from", "+.3f"), Column("high", "to", "+.3f"))
+_ORDER = columns("order", "order_low", "order_high")
+_POINTS = (Column("points", form=".0f"), Column("usable", "usable points", ".0f"))
+_RANGE = columns("start", "stop", *_POINTS, "floor", "reason")
 
 
 def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -> Section | None:
@@ -61,22 +52,17 @@ def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -
         f" theory (T19) predicts the slopes {expected}. Each line covers the points to which it was"
         " fitted. The dotted line is the floor below which the accuracy of the solver dominates."
     )
-    columns = (
-        *_NAMES,
-        Column("mesh"),
-        Column(LINE, "backend"),
-        Column("error"),
-        *_FIT,
-        Column("expected", "theory", "+.0f"),
-        Column("frozen"),
-        *_RANGE,
-    )
+    fitted = columns(*_NAMES, "mesh", Column(LINE, "backend"), Column("error"), *_FIT)
+    theory = Column("expected", "theory", "+.0f")
     named = with_lines(fits, _solvers(fits, parameter), fits)
     shown = named.assign(error=named["error"].map(_ERRORS))
     blocks: list[Block] = [
         Text(text),
         Gallery(list(_against(errors, fits, Axis(parameter, label)))),
-        Details("Slopes, their confidence intervals and ranges", [Table(columns, shown)]),
+        Details(
+            "Slopes, their confidence intervals and ranges",
+            [Table(columns(*fitted, theory, "frozen", *_RANGE), shown)],
+        ),
     ]
     return Section(f"convergence-{parameter}", f"Error against {label}", blocks)
 
@@ -98,14 +84,6 @@ def refinement_section(results: pd.DataFrame) -> Section | None:
     fits = refinement_orders(results)
     if not len(fits):
         return None
-    columns = (
-        *_NAMES,
-        Column(LINE, "backend"),
-        Column("order", form="+.2f"),
-        Column("order_low", "from", "+.2f"),
-        Column("order_high", "to", "+.2f"),
-        *_RANGE,
-    )
     solved = results[results["error"].notna() & results["rigor"].ne("")]
     drawings = []
     for names, own in groups(fits, [n for n in problem_columns(fits) if n in fits]):
@@ -119,7 +97,7 @@ def refinement_section(results: pd.DataFrame) -> Section | None:
     blocks: list[Block] = [
         Text(text),
         Gallery(drawings),
-        Details("Orders", [Table(columns, named)]),
+        Details("Orders", [Table((*_NAMES, Column(LINE, "backend"), *_ORDER, *_RANGE), named)]),
     ]
     return Section("refinement", "Error under refinement", blocks)
 
@@ -132,15 +110,11 @@ def steps_section(results: pd.DataFrame) -> Section | None:
     path = [n for n in fits if str(n).startswith(("param_", "size_")) and n != "param_scheme"]
     names = ["case", "mesh", *map(str, path)]
     lines = ["param_scheme", *_solvers(fits, "")]
-    columns = (
-        Column("case"),
+    own_columns = columns(
+        "case",
         *(Column(str(name), str(name).partition("_")[2]) for name in path),
-        Column("mesh"),
-        Column(LINE, "scheme"),
-        Column("order", form="+.2f"),
-        Column("order_low", "from", "+.2f"),
-        Column("order_high", "to", "+.2f"),
-        Column("expected", "theory", "g"),
+        *("mesh", Column(LINE, "scheme")),
+        *(*_ORDER, Column("expected", "theory", "g")),
         *_RANGE,
     )
     drawings = []
@@ -164,7 +138,7 @@ def steps_section(results: pd.DataFrame) -> Section | None:
     blocks: list[Block] = [
         Text(text),
         Gallery(drawings),
-        Details("Orders of the schemes", [Table(columns, shown)]),
+        Details("Orders of the schemes", [Table(own_columns, shown)]),
     ]
     return Section("steps", "Error of paths against their steps", blocks)
 

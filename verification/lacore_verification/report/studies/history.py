@@ -19,9 +19,8 @@ from lacore_verification.report.blocks import (
 )
 from lacore_verification.report.charts.axes import Axis
 from lacore_verification.report.charts.versions import by_version
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import VERDICTS, Column, column, columns
 from lacore_verification.report.files import INDEX
-from lacore_verification.report.tables import VERDICTS
 
 TITLE = "Results of several versions"
 _MEAN_TIME = Axis("mean_time", "geometric mean of solve times [s]", log=False)
@@ -64,32 +63,24 @@ def versions_table(versions: Sequence[Version], found: History) -> Table:
         }
         for own in versions
     ]
-    columns = (
+    shown = columns(
         Column("name", "results"),
-        Column("lacore"),
-        Column("date"),
-        Column("runs", form=".0f"),
+        *("lacore", "date", "runs"),
         Column("only", "not in all versions", ".0f"),
         Column("machine", long=True),
         Column("code", long=True),
     )
-    return Table(columns, pd.DataFrame(rows), "Where the results are from")
+    return Table(shown, pd.DataFrame(rows), "Where the results are from")
 
 
 def _backends(found: History, names: Sequence[str]) -> list[Block]:
     solvers = sorted(map(str, dict.fromkeys(found.backends["backend"])))
-    columns = (
-        Column("backend"),
-        Column("version", "results"),
-        Column("all_runs", "all runs", ".0f"),
-        Column("runs", "common runs", ".0f"),
-        Column("success_rate", "claimed %", ".1f", scale=100),
-        Column("certified_rate", "certified %", ".1f", scale=100),
-        Column("correctness_rate", "correct %", ".1f", scale=100),
-        Column("wrong_claims", "wrong claims", ".0f"),
-        Column("mean_time", "mean time, s", ".3g"),
+    shown = columns(
+        *("backend", Column("version", "results"), Column("all_runs", "all runs", ".0f")),
+        column("runs", title="common runs"),
+        *("success_rate", "certified_rate", "correctness_rate", "wrong_claims", "mean_time"),
         Column("ratio", "relative to the first", ".2f"),
-        Column("worst_error", "largest error %", ".3g", scale=100),
+        "worst_error",
     )
     caption = f"Rates, geometric mean of solve times shifted by {SHIFT:g} s, and largest error"
     charts = [
@@ -105,7 +96,7 @@ def _backends(found: History, names: Sequence[str]) -> list[Block]:
         ),
     ]
     choice = [Filters([], [], "", solvers)] if len(solvers) > 1 else []
-    return [*choice, Table(columns, found.backends, caption), Gallery(charts)]
+    return [*choice, Table(shown, found.backends, caption), Gallery(charts)]
 
 
 def _changes(found: History) -> Block:
@@ -113,14 +104,10 @@ def _changes(found: History) -> Block:
         return Text(_NO_CHANGE)
     settings = found.changes["settings"].ne("").any()
     known = any(found.changes[name].ne("").any() for name in ("lacore_before", "lacore_after"))
-    columns = (
+    shown = columns(
         Column("verdict_after", "verdict", moods=VERDICTS),
         Column("verdict_before", "before"),
-        Column("case"),
-        Column("variant"),
-        Column("backend"),
-        Column("coupling"),
-        Column("mesh"),
+        *("case", "variant", "backend", "coupling", "mesh"),
         *([Column("settings", long=True)] if settings else []),
         Column("load_factor_before", "load factor before", ".7g"),
         Column("load_factor_after", "load factor", ".7g"),
@@ -133,7 +120,7 @@ def _changes(found: History) -> Block:
             else []
         ),
     )
-    return Table(columns, found.changes)
+    return Table(shown, found.changes)
 
 
 def _packages(versions: Sequence[Version]) -> list[Section]:
@@ -150,5 +137,5 @@ def _packages(versions: Sequence[Version]) -> list[Section]:
     ]
     if not rows:
         return []
-    columns = [Column("package"), *(Column(own.name, own.name) for own in versions)]
-    return [Section("packages", "Packages that changed", [Table(columns, pd.DataFrame(rows))])]
+    shown = [Column("package"), *(Column(own.name, own.name) for own in versions)]
+    return [Section("packages", "Packages that changed", [Table(shown, pd.DataFrame(rows))])]

@@ -28,10 +28,9 @@ from lacore_verification.report.blocks import (
 from lacore_verification.report.charts import axes
 from lacore_verification.report.charts.axes import Axis
 from lacore_verification.report.charts.lines import LINE, with_lines
-from lacore_verification.report.columns import Column
+from lacore_verification.report.columns import RUN, Column, column, columns
 from lacore_verification.report.description import counted
 from lacore_verification.report.studies.solvers import FLOOR, with_floor
-from lacore_verification.report.tables import RUN, VERDICTS
 
 LEAST = 3
 """Values of an option that make a curve, at least."""
@@ -104,20 +103,15 @@ def _with_lines(own: pd.DataFrame) -> pd.DataFrame:
 
 
 def _table(found: pd.DataFrame) -> Table:
-    columns = (
-        Column("verdict", moods=VERDICTS),
-        Column("case"),
-        Column("variant"),
-        Column("mesh"),
+    shown = columns(
+        *("verdict", "case", "variant", "mesh"),
         Column(LINE, "backend"),
         Column(OPTION, "option"),
         Column(VALUE, link=RUN),
-        Column("solve_time", "solve time, s", ".3g"),
-        Column("iterations", form=".0f"),
-        Column("gap", form=".1e"),
+        *(column("solve_time", form=".3g"), "iterations", "gap"),
         Column(RESIDUAL, "largest residual", ".1e"),
     )
-    return Table(columns, _with_lines(found))
+    return Table(shown, _with_lines(found))
 
 
 def ladders(results: pd.DataFrame) -> pd.DataFrame:

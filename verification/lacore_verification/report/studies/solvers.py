@@ -35,8 +35,7 @@ from lacore_verification.report.blocks import (
     Text,
 )
 from lacore_verification.report.charts import axes
-from lacore_verification.report.columns import Anchor, Column
-from lacore_verification.report.tables import RUN
+from lacore_verification.report.columns import RUN, Anchor, Column, columns
 
 _DATA_PROFILE = (
     "This data profile counts the same problems as solved. It divides each solve time by the number"
@@ -44,7 +43,7 @@ _DATA_PROFILE = (
 )
 SHIFT = 0.1  # s: solves that take much less count alike
 _TITLE = "Solvers side by side"
-_SOLVER = (Column("backend"), Column("coupling"))
+_SOLVER = columns("backend", "coupling")
 
 
 def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit: float) -> Section:
@@ -91,8 +90,8 @@ def effort_section(results: pd.DataFrame) -> Section:
 
 
 def _means_table(means: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver"),
+    shown = columns(
+        "solver",
         Column("mean", "mean, s", ".3g"),
         Column("ratio", "relative to the fastest", ".2f"),
         Column("solved", form=".0f"),
@@ -100,41 +99,31 @@ def _means_table(means: pd.DataFrame) -> Table:
         Column("limit", "unsolved counts as, s", ".3g"),
     )
     return Table(
-        columns, means, "Solve time: shifted geometric means over the problems of the profile"
+        shown, means, "Solve time: shifted geometric means over the problems of the profile"
     )
 
 
-_RATES = (
-    Column("success_rate", "claimed %", ".1f", scale=100),
-    Column("certified_rate", "certified %", ".1f", scale=100),
-    Column("correctness_rate", "correct %", ".1f", scale=100),
-    Column("wrong_claims", "wrong claims", ".0f"),
-)
+_RATES = columns("success_rate", "certified_rate", "correctness_rate", "wrong_claims")
 
 
 def rates_table(results: pd.DataFrame) -> Table:
     """Return a table of claimed, certified and correct runs, and of who answered."""
     found = rates(results).merge(answers(results).drop(columns="runs"), on=["backend", "coupling"])
-    columns = (
+    shown = columns(
         *_SOLVER,
-        Column("runs", form=".0f"),
+        "runs",
         *_RATES,
         Column("alone", "answered by the backend", ".0f"),
         Column("with_lacore", "with path following", ".0f"),
         Column("unanswered", "without an answer", ".0f"),
     )
-    return Table(columns, found, "Claimed and proven success of the solvers")
+    return Table(shown, found, "Claimed and proven success of the solvers")
 
 
 def sizes_table(results: pd.DataFrame) -> Table:
     """Return a table of the rates for each class of problem sizes."""
-    columns = (
-        *_SOLVER,
-        Column(UNKNOWNS, "number of unknowns"),
-        Column("runs", form=".0f"),
-        *_RATES,
-    )
-    return Table(columns, rates_by_size(results), "Success by size of the problem")
+    shown = columns(*_SOLVER, Column(UNKNOWNS, "number of unknowns"), "runs", *_RATES)
+    return Table(shown, rates_by_size(results), "Success by size of the problem")
 
 
 def pairs_table(results: pd.DataFrame, measured: pd.DataFrame) -> Details:
@@ -144,7 +133,7 @@ def pairs_table(results: pd.DataFrame, measured: pd.DataFrame) -> Details:
         results: One row for each problem, backend and coupling.
         measured: All runs of the comparison, whose calibrations show the noise of the machine.
     """
-    columns = (
+    shown = (
         Column("first", "solver A"),
         Column("second", "solver B"),
         Column("problems", "problems run by both", ".0f"),
@@ -164,7 +153,7 @@ def pairs_table(results: pd.DataFrame, measured: pd.DataFrame) -> Details:
         else "The noise of the machine is unknown, so no solver counts as faster."
     )
     text = Text(f"A problem is solved if the verdict confirms what the backend answered. {tie}")
-    outcomes = Table(columns, pairwise_outcomes(results, found))
+    outcomes = Table(shown, pairwise_outcomes(results, found))
     return Details("Outcomes of each pair of solvers", [text, outcomes])
 
 
@@ -192,17 +181,17 @@ def accuracy_blocks(results: pd.DataFrame) -> list[Block]:
         )
         if np.isfinite(found[axis.column].to_numpy(dtype=float, na_value=np.nan)).any()
     ]
-    columns = (
+    shown = columns(
         *_SOLVER,
         Column("measured", "certified runs", ".0f"),
         Column("mean_residual", "residual, geometric mean", ".1e"),
         Column("worst_residual", "largest residual", ".1e"),
-        Column("worst_error", "largest error %", ".3g", scale=100),
+        "worst_error",
         *(Column(f"mean_{name}", name.replace("_", " "), ".1e") for name in RESIDUALS),
     )
     separate = separate_residual_means(results)
     joined = residual_means(results).merge(separate, on=["backend", "coupling"])
-    means = Table(columns, joined, "Accuracy of certified results")
+    means = Table(shown, joined, "Accuracy of certified results")
     return [*([Gallery(charts)] if charts else []), means, Text(_MEANS_NOTE, soft=True)]
 
 
@@ -234,24 +223,23 @@ def _accuracy_table(results: pd.DataFrame) -> Table:
     names = ["case", "variant", "backend", "coupling"]
     levels = list(dict.fromkeys(found["level"]))
     shown = found.drop_duplicates(names)[[*names, "closest"]]
-    columns = [Column("case"), Column("variant"), *_SOLVER]
+    own_columns = [*columns("case", "variant"), *_SOLVER]
     for level in levels:
         cost, run = f"{100 * level:g} %", f"run {level:g}"
         own = found[found["level"] == level].rename(columns={"cost": cost, "run": run})
         shown = shown.merge(own[[*names, cost, run]], on=names)
-        columns.append(Column(cost, form=".3g", link=Anchor(RUN.prefix, run)))
-    columns.append(Column("closest", "smallest error, %", ".2g", scale=100))
+        own_columns.append(Column(cost, form=".3g", link=Anchor(RUN.prefix, run)))
+    own_columns.append(Column("closest", "smallest error, %", ".2g", scale=100))
     caption = "Solve time (s) of the fastest mesh whose error is at most the given value"
-    return Table(columns, shown, caption)
+    return Table(own_columns, shown, caption)
 
 
 def _efforts_table(found: pd.DataFrame) -> Table:
-    columns = (
-        Column("case"),
-        Column("variant"),
+    shown = columns(
+        *("case", "variant"),
         *_SOLVER,
         Column("certified", form=".0f"),
-        Column("runs", "runs", ".0f"),
+        "runs",
         Column("inner_solves", "inner solves", "g"),
         Column("most_inner_solves", "maximum", "g"),
         Column("iterations_per_solve", "iterations per solve", ".1f"),
@@ -260,5 +248,5 @@ def _efforts_table(found: pd.DataFrame) -> Table:
         Column("time_per_solve", "time per solve, s", ".3g"),
     )
     return Table(
-        columns, found, "Inner solves, iterations and contraction: medians of certified runs"
+        shown, found, "Inner solves, iterations and contraction: medians of certified runs"
     )
