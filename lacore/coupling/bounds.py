@@ -1,7 +1,8 @@
-"""Bounds of every Coulomb load factor of a program, from admissible halves of states (T14).
+"""Bounds of all Coulomb load factors of a discrete program (T14).
 
-Of a discrete program: its frictionless value may lie above the load factors of the continuum, whose
-bounds are those of `lacore.analyses.ranges.continuum`.
+A lower bound needs only admissible stresses and reactions, an upper bound only an admissible
+velocity. The frictionless value of a discrete program may exceed the load factors of the continuum,
+whose bounds are in `lacore.analyses.ranges.continuum`.
 """
 
 import numpy as np
@@ -21,10 +22,10 @@ from lacore.solvers.backend import InnerSolution
 
 
 def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:
-    """Bound from stresses and reactions of a solve without friction; -inf where they prove none.
+    """Return the bound of stresses and reactions of a frictionless solve; -inf if they prove none.
 
-    Less by the power of what is out of balance and of tensions, at the solve's own velocity; inf
-    where reactions carry the reference load alone.
+    The power of unbalanced forces and of tensions, at the velocity of the solve, is subtracted. The
+    bound is inf if reactions carry the reference load alone.
     """
     contact = frictionless_contact(program.contact)
     if inner.status is Status.LOCKED:
@@ -42,9 +43,9 @@ def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: floa
 
 
 def upper_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:
-    """Bound from the velocity of an associated solve; inf where it proves none.
+    """Return the bound of the velocity of an associated solve; inf if it proves none.
 
-    More by the power of the solve's own reactions on what it penetrates.
+    The power of the reactions of the solve on the penetration is added.
     """
     rows, contact = program.contact, associated_contact(program.contact)
     if inner.point is None:
@@ -63,9 +64,9 @@ def upper_bound(program: KinematicProgram, inner: InnerSolution, tolerance: floa
 def kinematic_load_factor(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact | None
 ) -> float:
-    """Load factor of a velocity, re-evaluated from it (T15b), friction at the reactions of `point`.
+    """Recompute the load factor of a velocity (T15b), with friction at the reactions of `point`.
 
-    With `contact` given, friction at its bounds instead.
+    If `contact` is given, friction has its bounds instead.
     """
     u, rows = point.velocity, program.contact
     bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
@@ -76,7 +77,7 @@ def kinematic_load_factor(
 
 
 def kinematic_power(program: KinematicProgram, point: ProgramState) -> float:
-    """Power that a state turns over: the scale of (T15)."""
+    """Return the power that a state dissipates, which is the scale of (T15)."""
     u = point.velocity
     bound = reaction_contact(program.contact, point.normal_reaction).bound
     plastic = program.at_state(u, point.mean_stress).plastic_dissipation(u)
@@ -85,5 +86,5 @@ def kinematic_power(program: KinematicProgram, point: ProgramState) -> float:
 
 
 def _gap(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> float:
-    """Between the kinematic and the static value of one solve."""
+    """Return the difference of the kinematic and the static value of one solve."""
     return abs(kinematic_load_factor(program, point, contact) - point.load_factor)

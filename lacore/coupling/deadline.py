@@ -1,4 +1,4 @@
-"""A clock for searches that could go on: what they have found by then is kept."""
+"""A time limit for searches, which keep their results when it is reached."""
 
 import time
 from collections.abc import Callable
@@ -6,18 +6,17 @@ from collections.abc import Callable
 from lacore.coupling.run import Iterate
 
 
-class OutOfTime(Exception):  # noqa: N818  # it is no error: what was found stands
-    """The time of a search is over."""
+class OutOfTime(Exception):  # noqa: N818  # not an error: the results so far are kept
+    """The time limit of a search is reached."""
 
 
 def until(end: float) -> Callable[[Iterate], None]:
-    """To be called after each inner solve.
+    """Return a function to call after each inner solve, which checks the time.
+
+    The function raises `OutOfTime` at the first solve that ends after the limit.
 
     Args:
-        end: s, of `time.perf_counter`.
-
-    Raises:
-        OutOfTime: of what is returned, at the first solve that ends after it.
+        end: Limit, s, on the clock of `time.perf_counter`.
     """
 
     def check(_: Iterate) -> None:

@@ -1,7 +1,7 @@
-"""The fixed-point loops on Coulomb friction (T9-T11).
+"""Fixed-point loops on Coulomb friction (T9-T11).
 
-A loop freezes the friction bounds ``mu t_n``, or the shifts ``mu ||u_t||``, or a share of both,
-solves the convex program, reads them off its answer and starts again.
+A loop freezes the friction bounds ``mu t_n``, the shifts ``mu ||u_t||``, or a share of both, solves
+the convex program, and repeats with the values of its solution.
 """
 
 import numpy as np
@@ -21,17 +21,17 @@ from lacore.reporting.status import Status
 
 
 def reaction_loop(run: Run) -> Coupled:
-    """Successive approximation on the normal reactions (T9), damped and accelerated."""
+    """Iterate on the normal reactions (T9), with damping and acceleration."""
     return _family_loop(run, "reaction", 0.0)
 
 
 def shift_loop(run: Run) -> Coupled:
-    """Successive approximation on the slip rates (T10), damped and accelerated."""
+    """Iterate on the slip rates (T10), with damping and acceleration."""
     return _family_loop(run, "shift", 1.0)
 
 
 def slip_rate(program: KinematicProgram, state: ProgramState) -> Floats:
-    """``||u_t||`` at the contact points, shape (m,)."""
+    """Return ``||u_t||`` at the contact points, shape (m,)."""
     return np.asarray(np.linalg.norm(program.contact.slip(state.velocity), axis=1))
 
 
@@ -44,7 +44,7 @@ def _family_loop(run: Run, kind: str, kappa: float) -> Coupled:
     start = run.options.start
     if start == "associated":
         first = run.solve(start, associated_contact(rows))
-        if first.inner.status is Status.LOCKED:  # no error: friction may well be finite (T13)
+        if first.inner.status is Status.LOCKED:  # with friction the load factor may be finite (T13)
             start = "zero"
     if start == "zero":
         first = run.solve(start, zero)
@@ -60,7 +60,7 @@ def _family_loop(run: Run, kind: str, kappa: float) -> Coupled:
 def fixed_point(
     run: Run, kind: str, kappa: float, start: ProgramState, mixing: Anderson
 ) -> Coupled:
-    """The family loop from a state, until it is proven or the budget is spent."""
+    """Iterate from a state until one is proven or the budget is spent."""
     program, rows = run.program, run.program.contact
     reaction_size = _size(start.normal_reaction)
     slip_size = _size(start.velocity)
@@ -79,7 +79,7 @@ def fixed_point(
     while not run.exhausted:
         iterate = run.solve(kind, freeze(values))
         point, status = iterate.inner.point, iterate.inner.status
-        # At these bounds or shifts only: neither proves anything of the Coulomb problem (T13).
+        # These statuses hold at the frozen values only, not for the Coulomb problem (T13).
         if status is Status.UNSAFE or (status is Status.LOCKED and kappa > 0):
             return run.end(Status.NOT_CONVERGED)
         out_of_budget = status in (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
@@ -94,5 +94,5 @@ def fixed_point(
 
 
 def _size(values: Floats) -> float:
-    """Largest absolute value, 1 where all are zero."""
+    """Return the largest absolute value, or 1 if all values are zero."""
     return float(np.abs(values).max(initial=0.0)) or 1.0

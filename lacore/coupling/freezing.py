@@ -1,8 +1,9 @@
-"""What the steps of loops freeze: friction of contact points and of soils alike (T12, T51, T52).
+"""Convex problems of the steps of a loop, with frozen friction (T12, T51, T52).
 
-A point of a soil whose flow is not associated is a contact point with Coulomb friction: its mean
-stress, counted from the apex, is the normal reaction, its volumetric rate the opening, and the
-difference of both slopes the coefficient. So one vector holds the friction of both.
+A point of a soil with non-associated flow is like a contact point with Coulomb friction: the mean
+stress measured from the apex is the normal reaction, the volumetric strain rate the opening, and
+the difference of both slopes the friction coefficient. One vector therefore lists the friction of
+contact and soils.
 """
 
 from dataclasses import dataclass, replace
@@ -25,11 +26,11 @@ from lacore.reporting.showing import Compact
 
 @dataclass(frozen=True, repr=False)
 class Frozen(Compact):
-    """A convex problem that stands for one with friction.
+    """A convex problem in place of one with friction.
 
     Attributes:
-        program: with groups whose flow is associated.
-        contact: with what is frozen of contact points.
+        program: Program whose groups have associated flow.
+        contact: Frozen contact.
     """
 
     program: KinematicProgram
@@ -37,7 +38,7 @@ class Frozen(Compact):
 
 
 def pressing(program: KinematicProgram, state: ProgramState) -> Floats:
-    """Normal reactions of contact points, then friction of soils, Pa; all >= 0."""
+    """Return the normal reactions of contact points, then the friction of soils, Pa; all >= 0."""
     reaction = np.maximum(state.normal_reaction, 0.0)
     if not program.frictional:
         return reaction
@@ -45,31 +46,31 @@ def pressing(program: KinematicProgram, state: ProgramState) -> Floats:
 
 
 def generous(program: KinematicProgram, stress: float) -> Floats:
-    """What `pressing` lists with one number, Pa, everywhere."""
+    """Return an array like that of `pressing` with one value, Pa, everywhere."""
     sizes = [group.volumetric.shape[0] for group in program.groups]
     friction = program.friction(tuple(np.zeros(size) for size in sizes))
     return np.full(program.contact.count + friction.size, stress)
 
 
 def friction_of(program: KinematicProgram, reactions: Floats) -> Floats:
-    """Friction bounds of contact points and soils, Pa, from what `pressing` lists."""
+    """Return the friction bounds of contact points and soils, Pa, for an array of `pressing`."""
     reaction, friction = np.split(reactions, [program.contact.count])
     return np.concatenate([program.contact.coefficient * reaction, friction])
 
 
 def at_pressing(program: KinematicProgram, reactions: Floats) -> Frozen:
-    """Friction frozen at what `pressing` lists: the problem of a K-step."""
+    """Return the problem of a K-step, with friction frozen at an array of `pressing`."""
     reaction, friction = np.split(reactions, [program.contact.count])
     return Frozen(program.at_friction(friction), reaction_contact(program.contact, reaction))
 
 
 def at_slip(program: KinematicProgram, velocity: Floats, reactions: Floats) -> Frozen:
-    """Slip, flow and hardening frozen at a velocity: the problem of an S-step.
+    """Return the problem of an S-step, with slip, flow and hardening frozen at a velocity.
 
     Args:
-        program: as it is stated.
-        velocity: of a K-step.
-        reactions: what it froze, which says on which surfaces of a soil it flows.
+        program: Program of the loop.
+        velocity: Velocity of a K-step.
+        reactions: Array that the K-step froze, which determines the surfaces on which a soil flows.
     """
     slip = np.asarray(np.linalg.norm(program.contact.slip(velocity), axis=1))
     friction = reactions[program.contact.count :]
@@ -78,12 +79,12 @@ def at_slip(program: KinematicProgram, velocity: Floats, reactions: Floats) -> F
 
 
 def associated(program: KinematicProgram) -> Frozen:
-    """All friction made associated: an upper bound of every load factor (T14, T54)."""
+    """Make all friction associated, which gives an upper bound of every load factor (T14, T54)."""
     return Frozen(program.associated(), associated_contact(program.contact))
 
 
 def frictionless(program: KinematicProgram) -> Frozen:
-    """Without friction beside what dilates: a lower bound of every load factor (T14, T54)."""
+    """Remove friction without dilation: a lower bound of every load factor (T14, T54)."""
     return Frozen(without_friction(program), frictionless_contact(program.contact))
 
 
@@ -93,10 +94,10 @@ def without_friction(program: KinematicProgram) -> KinematicProgram:
 
 
 def davis(program: KinematicProgram) -> KinematicProgram:
-    """The program with Davis's strength of soils and associated flow (T55).
+    """Return the program with Davis's strength of soils and associated flow (T55).
 
     Raises:
-        InputError: no soil whose flow is not associated; one without planes of slip.
+        InputError: No soil has non-associated flow, or one has no planes of slip.
     """
     if not program.frictional:
         raise InputError(

@@ -60,7 +60,7 @@ class CouplingKind:
         return bool(self.model) and self.bounds != "upper"
 
     def run(self, run: Run) -> Coupled:
-        """Solve; the program of the run is that of `program_of`."""
+        """Solve a run, whose program must be that of `program_of`."""
         if self.loop:
             loop: Callable[[Run], Coupled] = resolve_name(self.loop)
             return loop(run)
@@ -126,10 +126,10 @@ COUPLINGS: Mapping[str, CouplingKind] = {kind.name: kind for kind in _KINDS}
 
 
 def coupling_for(backend: Backend, coupling: str | None) -> str:
-    """The coupling asked for, or the default of a backend.
+    """Return the requested coupling, or the default one of a backend.
 
     Raises:
-        InputError: the backend is regularised, and the coupling needs exact multipliers.
+        InputError: The backend is regularised, and the coupling needs exact multipliers.
     """
     if not backend.capabilities.regularised:
         return coupling or DEFAULT

@@ -1,9 +1,9 @@
-"""Searches for limit states of soils whose flow is not associated (T57).
+"""Searches for limit states of soils with non-associated flow (T57).
 
-Friction of soils is frozen and made anew as that of contact is (`lacore.coupling.steps`). Where
-load factors are unique undamped K-steps come nearer several times as fast as any other; where they
-are not, they jump between low ones, from which damped ones drift, and S-steps alone stay near where
-they start.
+The friction of soils is frozen and updated as that of contact (`lacore.coupling.steps`). If load
+factors are unique, undamped K-steps converge several times as fast as other choices. If they are
+not, undamped K-steps jump between low load factors and damped ones drift to lower ones, while
+S-steps alone stay close to their start.
 """
 
 from lacore.coupling.freezing import pressing
@@ -20,19 +20,19 @@ from lacore.coupling.steps import (
 )
 from lacore.program.state import ProgramState
 
-_UNDAMPED, _DRIFT = 10, 40  # K-steps: those that are not damped, and all; fewer do not get far
-_LOOKS = (6, 10, 20, 30, 40)  # of them, after which an S-step looks for a pair
-_BATCH = 4  # undamped K-steps before a look that tries whether they come nearer
-_ENOUGH = 40  # solves, where what is accepted may be reached by then
-_LONG = 20  # rounds without progress of an iteration whose gap rises and falls on its way
-_FAST = 0.4  # of the least gap: what a round of S-steps comes to as long as these are fast
-_HALF = 0.5  # of the gap of the last look, so that undamped K-steps go on
+_UNDAMPED, _DRIFT = 10, 40  # undamped K-steps, and all K-steps; fewer do not reach low loads
+_PAIRED = (6, 10, 20, 30, 40)  # K-steps that an S-step completes to a pair
+_BATCH = 4  # undamped K-steps between two checks of their gap
+_ENOUGH = 40  # solves of a search that may end at the accepted tolerance
+_LONG = 20  # pairs without progress of an iteration whose gap rises temporarily
+_FAST = 0.4  # of the least gap: S-steps that do not reach it count as slow
+_HALF = 0.5  # of the gap at the last check: undamped K-steps continue if they reach it
 
 
 def settled(run: Run, static: ProgramState) -> Iterate | None:
-    """Friction of S-steps alone, of soils: the gap falls, if slowly, and rarely stalls (T57).
+    """Freeze the friction of S-steps: the gap decreases, if slowly, and rarely stalls (T57).
 
-    Where it falls slowly undamped K-steps are tried, and left again unless they halve it.
+    If it decreases slowly, undamped K-steps are tried, and given up unless they halve it.
     """
     begun = len(run.iterates)
     most = None if run.options.accepted is None else begun + _ENOUGH
@@ -44,7 +44,7 @@ def settled(run: Run, static: ProgramState) -> Iterate | None:
 
 
 def _hurried(run: Run, static: ProgramState) -> Iterate | None:
-    """Undamped K-steps from the least gap so far, as long as it halves from look to look."""
+    """Take undamped K-steps from the least gap so far, as long as each check finds it halved."""
     static, least = closest(run, static), min(map(gap, s_steps(run)), default=0.0)
     reactions, step, own = pressing(run.program, static), 0, 0.0
     while own <= _HALF * least:
@@ -61,9 +61,9 @@ def _hurried(run: Run, static: ProgramState) -> Iterate | None:
 
 
 def drifted(run: Run, static: ProgramState) -> Iterate | None:
-    """K-steps, first undamped, then damped, which drift to lower loads; then S-steps (T57).
+    """Take undamped and then damped K-steps, which drift to lower loads, and then S-steps (T57).
 
-    Now and then an S-step looks for a pair.
+    After some K-steps an S-step completes a pair.
     """
     reactions = pressing(run.program, static)
     for step in range(1, _DRIFT + 1):
@@ -73,7 +73,7 @@ def drifted(run: Run, static: ProgramState) -> Iterate | None:
             return k if proves_load(run, k) else None
         frozen = reactions
         reactions = reactions + share * (pressing(run.program, k.inner.point) - reactions)
-        if step in _LOOKS:
+        if step in _PAIRED:
             s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):
                 return s if proves_load(run, s) else None

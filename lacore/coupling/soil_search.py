@@ -1,10 +1,10 @@
-"""Search for low and high load factors of soils whose flow is not associated (T57, T59).
+"""Search for low and high load factors of soils with non-associated flow (T57, T59).
 
-Their limit states are not unique: a small gap proves a state, and says nothing of others. So
-several searches start from stresses that are admissible, those of the same soil with all of its
-friction or a share of it, and settle by S-steps, which stay near where they start, or drift by
-K-steps first, which end at lower loads. What they find is certified; that there is nothing
-lower or higher they do not prove.
+Limit states of these soils are not unique: a small gap proves one state and nothing about others.
+Several searches therefore start from admissible stresses of the same soil with all or a share of
+its friction. They converge by S-steps, which stay close to their start, or take K-steps first,
+which drift to lower loads. All states that they find are certified, but lower or higher load
+factors may exist.
 """
 
 from collections.abc import Iterator
@@ -29,11 +29,11 @@ class SoilFound(Compact):
     """End of one search.
 
     Attributes:
-        share: of its friction that the soil had where it starts.
-        search: one of `SEARCHES`.
-        start: the solve for the stresses that it starts from.
-        iterates: the inner solves after it.
-        final: the pair with the least residual; None where there is none, or none proves.
+        share: Share of the friction of the soil at the start.
+        search: Name of the search, see `SEARCHES`.
+        start: Solve for the stresses at the start.
+        iterates: Inner solves after the start.
+        final: Proven pair with the least residual; None without one.
     """
 
     share: float
@@ -44,7 +44,7 @@ class SoilFound(Compact):
 
 
 def soil_bounds(run: Run) -> tuple[float, float]:
-    """Bounds of all load factors of a program, by two problems with associated flow (T54)."""
+    """Return bounds of all load factors, by two problems with associated flow (T54)."""
     program, tolerance = run.program, run.options.tolerance
     above, below = associated(program), frictionless(program)
     answers = [run.solve("bound", one.contact, program=one.program).inner for one in (below, above)]
@@ -56,19 +56,19 @@ def soil_bounds(run: Run) -> tuple[float, float]:
 
 
 def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:
-    """The ends of all searches, as they are found.
+    """Yield the ends of all searches.
 
     Args:
-        run: without iterates yet; its options say what is proven, and what is accepted.
-        shares: of its friction that a soil has where searches start.
+        run: Run without iterates; its options contain the tolerance and the accepted one.
+        shares: Shares of the friction of a soil at which searches start.
 
     Raises:
-        OutOfTime: by its `on_iterate`; after what the search at work has found so far.
+        OutOfTime: Its `on_iterate` raised it; the result of the current search is yielded before.
     """
     for share in shares:
         frozen = _with_share(run.program, share)
         start = run.solve("associated", frozen.contact, program=frozen.program)
-        if start.inner.status is Status.LOCKED:  # no dilatant soil moves here, and others may
+        if start.inner.status is Status.LOCKED:  # with less dilation a mechanism may exist
             start = anchored(run)
         for name, search in SEARCHES.items():
             own = run.afresh([start])
@@ -85,7 +85,7 @@ def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:
 
 
 def _with_share(program: KinematicProgram, share: float) -> Frozen:
-    """The associated problem with a share of the friction of soils, their apex kept."""
+    """Return the associated problem with a share of the friction of soils and the same apex."""
 
     def weaker(group: DissipationGroup) -> DissipationGroup:
         if group.surfaces is None or not group.frictional:

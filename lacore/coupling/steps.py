@@ -1,17 +1,18 @@
-"""K- and S-steps, and their alternation: what the loops on friction are made of (T12, T52).
+"""K- and S-steps and their alternation, from which the loops on friction are built (T12, T52).
 
-A K-step minimises over velocities at frozen reactions, an S-step maximises over statically
+A K-step minimises over velocities at frozen reactions. An S-step maximises over statically
 admissible states inside the Coulomb cones at frozen slip. Both are the same kinematic program with
-other contact terms, the S-step read off its multipliers. The velocity of one with the reactions of
-the other is an admissible pair; one without a gap is a Coulomb limit state.
+different contact terms, and the state of an S-step consists of its multipliers. The velocity of one
+step with the reactions of the other is an admissible pair; a pair without a gap is a Coulomb limit
+state.
 
-Where strain rates harden the loop begins with rough solves. Slip at associated friction is off by a
-sixth or more; an S-step at it has slip of its own, and each brings what is off down to a fifth,
-whatever its digits: to a tolerance of 1e-4 they take half of the iterations. K- and S-step after
-them make a pair that holds as a rule, where the loop from the associated state takes two
-(docs/design-decisions.md). Along a path they begin at the slip of the step before, which is off by
-as much as that at associated friction, at a solve less. Its reactions are off by a tenth, too much
-for a pair: velocities jump from slip line to slip line.
+With hardening, the loop starts with rough solves. Slip at associated friction has an error of a
+sixth or more. Each rough S-step reduces the error in slip fivefold, however loosely it is solved,
+and a tolerance of 1e-4 halves its iterations. The K- and S-step after them usually make a valid
+pair, whereas the loop from the associated state needs two pairs (docs/design-decisions.md). Along a
+path the rough solves start at the slip of the step before, which has a similar error and saves a
+solve. The reactions of that step have an error of a tenth, which is too much for a pair, because
+velocities jump from one slip line to another.
 """
 
 from collections.abc import Callable
@@ -26,24 +27,24 @@ from lacore.program.kinematic import associated_contact, shift_contact
 from lacore.program.state import ProgramState
 from lacore.reporting.status import Status
 
-FALLS = 0.9  # of the least gap so far: anything above is a stall
+FALLS = 0.9  # of the least gap so far: a larger gap counts as a stall
 _VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
-_SOON = 8  # solves, with which a loop from the associated state is through as a rule
-_LOOKS = 3  # rough S-steps, at most
-_NEAR = 0.01  # gap of one on its own, from which the next pair holds as a rule
-_NOISE = 3e-4  # of the largest reaction: what rough solves leave where there is none
+_SOON = 8  # solves, which a loop from the associated state usually needs
+_ROUGH_STEPS = 3  # most rough S-steps
+_NEAR = 0.01  # gap of a rough S-step, from which the next pair usually holds
+_NOISE = 3e-4  # of the largest reaction: rough solves return so much at open points
 
 Blend = Callable[[Floats, Floats, Floats], Floats]
-"""Next frozen reaction from the last one and those of the S- and the K-step after it."""
+"""Returns the next frozen reaction, given the last one and those of the S- and K-step after it."""
 
 
 def mean(_: Floats, s: Floats, k: Floats) -> Floats:
-    """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
+    """Return the mean reactions of both steps, which need the fewest solves (T12b)."""
     return (s + k) / 2
 
 
 def static_alone(_last: Floats, s: Floats, _k: Floats) -> Floats:
-    """Those of the S-step: the gap falls from step to step, or stalls for good (T12)."""
+    """Return the reactions of the S-step; the gap decreases from step to step, or stalls (T12)."""
     return s
 
 
@@ -56,16 +57,20 @@ def alternate(
     most: int | None = None,
     falls: float = FALLS,
 ) -> Iterate | None:
-    """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall.
+    """Alternate K- and S-steps from a static state.
 
     Args:
-        run: the loop.
-        static: a statically admissible state.
-        kind: of K-steps, for the history.
-        patience: rounds without progress that are borne in a row.
-        blend: what the next K-step freezes.
-        most: solves of the loop, from its start, after which it ends; None: as many as it has.
-        falls: share of the least gap that a round has to come to, to count as progress.
+        run: The loop.
+        static: A statically admissible state.
+        kind: Kind of the K-steps, for the history.
+        patience: Largest number of successive pairs without progress.
+        blend: Function that returns the reactions which the next K-step freezes.
+        most: Number of solves of the loop, from its start, after which it ends; None for its
+            budget.
+        falls: Share of the least gap that a pair must reach to count as progress.
+
+    Returns:
+        The iterate that ends the loop, if it proves a state with a load; else None.
     """
     reactions, least, failed = pressing(run.program, static), np.inf, 0
     while not run.exhausted and failed <= patience and len(run.iterates) < (most or np.inf):
@@ -86,12 +91,12 @@ def alternate(
 
 
 def resumed(run: Run, blend: Blend, patience: int) -> Iterate | None:
-    """K- and S-steps from friction nearby; None unless a pair that holds comes soon.
+    """Alternate from the friction of another state; return None unless a pair soon holds.
 
     Args:
-        run: a loop at its start. The first K-step freezes the reactions of its `near`; without
-            them, what rough solves find.
-        blend, patience: see `alternate`.
+        run: A loop at its start. The first K-step freezes the reactions of its `friction_start`, or
+            those of rough solves if it has none.
+        blend, patience: See `alternate`.
     """
     start = run.friction_start
     reactions = (
@@ -109,9 +114,9 @@ def resumed(run: Run, blend: Blend, patience: int) -> Iterate | None:
 
 
 def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
-    """Normal reactions at slip that is nearly theirs; None where rough solves find none.
+    """Return normal reactions of rough solves, up to a small error; None if these find none.
 
-    From a slip nearby, else from the associated state.
+    They start at the given slip, or else at the associated state.
     """
     assert run.prepare_roughly is not None
     rows = run.program.contact
@@ -120,7 +125,7 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
             last = run.solve("rough associated", associated_contact(rows), solver=solver)
         else:
             last = run.solve("rough S", shift_contact(rows, slip), solver=solver)
-        for _ in range(_LOOKS):
+        for _ in range(_ROUGH_STEPS):
             point = last.inner.point
             if point is None or gap(last) <= _NEAR:
                 break
@@ -136,7 +141,7 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
 def feasible_k_step(
     run: Run, reactions: Floats, static: ProgramState, kind: str
 ) -> tuple[Floats, Iterate]:
-    """A K-step, and what it froze: more where that is less than any admissible state needs."""
+    """Return a K-step and the reactions it froze, which are raised if no state is admissible."""
     k = k_step(run, reactions, static, kind)
     if k.inner.status is Status.UNSAFE:
         reactions = np.maximum(reactions, pressing(run.program, static))
@@ -145,7 +150,7 @@ def feasible_k_step(
 
 
 def k_step(run: Run, reactions: Floats, static: ProgramState | None, kind: str) -> Iterate:
-    """``u = argmin`` of (T5) at frozen friction, judged with the static state before, if any."""
+    """Solve ``u = argmin`` of (T5) at frozen friction, and pair it with a static state, if any."""
     program = run.program
     frozen = at_pressing(program, reactions)
     partner = None if static is None else lambda k: paired(k, static)
@@ -157,12 +162,12 @@ def k_step(run: Run, reactions: Floats, static: ProgramState | None, kind: str) 
 
 
 def s_step(run: Run, kinematic: ProgramState, reactions: Floats) -> Iterate:
-    """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12).
+    """Solve ``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12).
 
     Args:
-        run: the loop.
-        kinematic: a K-step's.
-        reactions: what it froze.
+        run: The loop.
+        kinematic: State of a K-step.
+        reactions: Reactions that the K-step froze.
     """
     frozen = at_slip(run.program, kinematic.velocity, reactions)
     partner = lambda s: paired(kinematic, s)  # noqa: E731
@@ -170,7 +175,7 @@ def s_step(run: Run, kinematic: ProgramState, reactions: Floats) -> Iterate:
 
 
 def s_steps(run: Run) -> list[Iterate]:
-    """S-steps so far with states that carry a load."""
+    """Return the S-steps so far whose states carry a load."""
     return [
         one
         for one in run.iterates
@@ -182,7 +187,7 @@ def s_steps(run: Run) -> list[Iterate]:
 
 
 def closest(run: Run, static: ProgramState) -> ProgramState:
-    """The statically admissible state of the pair with the least gap so far."""
+    """Return the statically admissible state of the pair with the least gap so far."""
     steps = s_steps(run)
     best = min(steps, key=gap, default=None)
     point = None if best is None else best.inner.point
@@ -190,25 +195,25 @@ def closest(run: Run, static: ProgramState) -> ProgramState:
 
 
 def least_gap(run: Run) -> float:
-    """Of S-steps so far with states that carry a load; inf where there are none."""
+    """Return the least gap of S-steps so far whose states carry a load; inf without any."""
     return min(map(gap, s_steps(run)), default=np.inf)
 
 
 def gap(iterate: Iterate) -> float:
-    """Of the pair of an iterate; inf where there is none."""
+    """Return the gap of the pair of an iterate; inf without a certificate."""
     return np.inf if iterate.certificate is None else iterate.certificate.gap
 
 
 def proves_load(run: Run, iterate: Iterate) -> bool:
     """Whether an iterate is a proven state with a load.
 
-    Zero is a Coulomb state of weightless contact that any load may meet: none to settle at.
+    Zero load is a Coulomb state of any weightless contact, so a loop must not converge to it.
     """
     return run.proven(iterate) and not run.free(iterate)
 
 
 def vanishes(run: Run, static: ProgramState) -> bool:
-    """Whether reactions are on their way to weightless contact, which carries nothing."""
+    """Whether reactions tend to zero, which is a state of weightless contact without a load."""
     first = run.iterates[0].inner.point
     if first is None or np.any(run.program.dead_load):
         return False

@@ -118,13 +118,13 @@ def drifting(monkeypatch, end=None):
 def test_a_drift_takes_all_of_its_steps_and_then_settles(monkeypatch):
     """Undamped steps first, then damped ones; S-steps check now and then, and give the state."""
     run, _, found = drifting(monkeypatch)
-    assert found == ("after", f"s{len(settling._LOOKS)}")
+    assert found == ("after", f"s{len(settling._PAIRED)}")
     assert run.kinds == ["K"] * settling._UNDAMPED + ["damped K"] * (
         settling._DRIFT - settling._UNDAMPED
     )
-    assert run.s == len(settling._LOOKS)
+    assert run.s == len(settling._PAIRED)
     changes = [i + 1 for i in range(1, settling._DRIFT) if run.starts[i] != run.starts[i - 1]]
-    assert changes == [look + 1 for look in settling._LOOKS if look < settling._DRIFT]
+    assert changes == [look + 1 for look in settling._PAIRED if look < settling._DRIFT]
 
 
 def test_undamped_steps_freeze_the_last_reactions_and_damped_ones_half_of_the_change(monkeypatch):
@@ -136,7 +136,7 @@ def test_undamped_steps_freeze_the_last_reactions_and_damped_ones_half_of_the_ch
         assert run.frozen[k] == pytest.approx(last + (k - last) / 2)
 
 
-@pytest.mark.parametrize(("end", "k", "s"), [(("k", 3), 3, 0), (("s", 1), settling._LOOKS[0], 1)])
+@pytest.mark.parametrize(("end", "k", "s"), [(("k", 3), 3, 0), (("s", 1), settling._PAIRED[0], 1)])
 def test_a_drift_ends_with_a_step_that_proves(monkeypatch, end, k, s):
     run, _, found = drifting(monkeypatch, end)
     assert found.kind == end[0]
