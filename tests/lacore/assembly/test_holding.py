@@ -96,7 +96,7 @@ def ring(turn, where="arc", rough=False, components=None, geometry="approximated
 
 
 @pytest.mark.parametrize("components", ["normal", "tangential"])
-@pytest.mark.parametrize(("turn", "possible"), [(0.1, False), (55.0, False), (65.0, True)])
+@pytest.mark.parametrize(("turn", "possible"), [(0.01, False), (55.0, False), (65.0, True)])
 def test_a_direction_is_held_along_straight_parts_only(components, turn, possible):
     """Edges that turn by less than 60 degrees stand for an arc; by more they are corners."""
     problem = ring(turn, components=components)

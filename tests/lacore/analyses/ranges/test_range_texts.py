@@ -1,0 +1,59 @@
+"""What a range of load factors reports of what is proven, and of what is not."""
+
+from dataclasses import replace
+from math import inf, nan
+
+import pytest
+
+import lacore as la
+from lacore.analyses.ranges.load_factors import RangeKind
+from lacore.reporting.status import Scope, Status
+from tests.lacore.coupling.test_injected_intervals import two_blocks
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Two blocks with friction: one load factor, 0.2."""
+    return la.coulomb_range(two_blocks(0.3, 0.2), restarts=0)
+
+
+def test_bounds_of_the_continuum_are_reported_where_a_mesh_is_another_problem(found):
+    """Of blocks there is no mesh; bounds of soils are those of the discrete problem alone."""
+    discrete = replace(found, scope=Scope.DISCRETE, continuum=(0.1, 0.9))
+    text = "those of the continuum in [0.1, 0.9]"
+    assert text in discrete.facts().told["proven"]
+    assert text not in found.facts().told["proven"]
+    assert text not in replace(discrete, kind=RangeKind.SOIL).facts().told["proven"]
+    assert "no bounds" in replace(found, bracket=(-inf, inf)).facts().told["proven"]
+
+
+def test_residuals_are_those_of_the_states_that_there_are(found):
+    both = found.facts().told["residual"]
+    assert "of the lowest" in both
+    assert "of the highest" in both
+    none = replace(found, lowest=None, highest=None, status=Status.NOT_CERTIFIED, low=nan, high=nan)
+    assert "residual" not in none.facts().told
+    assert "by its certificate" not in str(none)
+    without = replace(found, lowest=replace(found.lowest, certificate=None))
+    assert "of the lowest" not in without.facts().told["residual"]
+    assert str(without).count("by its certificate") == 1
+
+
+def test_an_end_is_proven_where_it_reaches_its_bound(found):
+    low, high = found.low, found.high
+    inside = str(replace(found, bracket=(low - 0.1, high + 0.1)))
+    assert "not proven: a lower one may exist" in inside
+    assert "not proven: a higher one may exist" in inside
+    reached = str(replace(found, bracket=(low, high)))
+    assert "none is lower, because it reaches its bound" in reached
+    assert "none is higher, because it reaches its bound" in reached
+    unbounded = str(replace(found, high=inf))
+    assert "any higher one is carried" in unbounded
+
+
+def test_a_free_motion_is_not_searched():
+    """The smooth block slides under any load: there is no state to search from."""
+    free = la.coulomb_range(two_blocks(la.SMOOTH, 0.3), restarts=0)
+    assert free.status is Status.FREE
+    assert free.states.empty
+    assert free.lowest is None
