@@ -1,7 +1,7 @@
-"""Recomputed residuals of a limit state (T8, T15): the number carries its own proof.
+"""Recomputed residuals of a limit state (T8, T15), which prove its load factor.
 
-Everything here is computed from the program and the answer (velocity, stresses, reactions, load
-factor), never from what a solver says of itself.
+All residuals are computed from the program and the answer (velocity, stresses, reactions, load
+factor). They never use what a solver reports about itself.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lacore.numerics.arrays import Floats
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.kinematic import ContactRows, FrozenContact, KinematicProgram
 from lacore.program.part_forces import forces_at_points, part_forces
 from lacore.program.state import ProgramState, misfit, out_of_balance
 from lacore.reporting.errors import InputError, typed
@@ -22,43 +22,43 @@ from lacore.reporting.showing import Facts, Shown
 class Certificate(Shown):
     """Residuals, each >= 0 up to round-off and 0 for an exact Coulomb limit state.
 
-    Of a regularised state divergence, penetration, flow, slip and gap stay as large as its
-    penalties let them; `lacore.coupling.run` says what it is judged by.
+    The penalties of a regularised state allow divergence, penetration, flow, slip and gap, which
+    do not vanish; `lacore.coupling.run.Run.proven` lists the residuals that it must satisfy.
 
-    Forces are judged by those of the body or block that they act on, its loads and reactions
-    (`lacore.program.part_forces`): beside a heavy block a light one is not out of balance by
-    little. Other scales are global: the largest nodal velocity for velocities, the largest strain
-    rate (or velocity over body length, when the mechanism is rigid) for strain rates, the power
-    turned over ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for powers, where dilatant friction
-    counts with its dilatancy as mu.
+    Residuals of forces are relative to the forces on the same body or block, its loads and
+    reactions (`lacore.program.part_forces`), so that a light block next to a heavy one is in
+    balance as well. The other scales are global. They are the largest nodal velocity for
+    velocities, the largest strain rate (or velocity over body length, if the mechanism is rigid)
+    for strain rates, and the dissipated power ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for
+    powers, where dilatant friction counts with its dilatancy as mu.
 
     Attributes:
-        equilibrium: largest nodal force out of balance, with the reported load factor and dead
-            loads, per total load; or per force of its part, where that is more.
-        yield_violation: largest ``||stress||/bound - 1``; where strength depends on pressure, by
-            how much a surface is exceeded, per sum of its own terms at the point, or their mean
-            over the body where that is more.
-        cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
-            reaction or, where reactions vanish, per total load over contact length; or as a force,
-            per force of the lesser of the parts that touch, where that is more.
-        penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; or its power against
-            the force of the lesser of the parts that touch, per force times speed of the part with
-            most of it, where that is more; slip of points that stick by law counts here.
-        divergence: largest ``|theta|``, per strain rate; where strength depends on pressure the
-            power of stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power; with the dilation
-            angle where flow has one of its own (T58).
+        equilibrium: Largest unbalanced nodal force, with the reported load factor and dead loads,
+            relative to the total load or to the force of its part, whichever is larger.
+        yield_violation: Largest ``||stress||/bound - 1``. If strength depends on pressure, excess
+            over a surface relative to the sum of its terms at the point, or to their mean over the
+            body if that is larger.
+        cone: Largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, relative to the
+            largest reaction, or to the total load over contact length if reactions vanish. The
+            same as a force, relative to the smaller force of the two parts, if that is larger.
+        penetration: Largest ``dilatancy ||u_t|| - u_n`` relative to the largest velocity. The same
+            times the smaller force of the two parts, relative to the largest product of force and
+            speed of a part, if that is larger. Slip of points that stick by law counts as well.
+        divergence: Largest ``|theta|`` relative to the strain rate. If strength depends on
+            pressure, power of stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power, with the
+            dilation angle if it differs from phi (T58).
         normalisation: ``|F0.u - 1|``.
-        flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per
-            power; where strength depends on pressure with the power of mean stresses, and where
-            flow is not associated with its bipotential for the dissipation (T50): the share of
-            friction that is mobilised too little, on the average over the dissipation (T53).
+        flow: Normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per
+            power. It includes the power of mean stresses if strength depends on pressure. With
+            non-associated flow, the bipotential replaces the dissipation (T50), and the residual is
+            the share of friction that is not mobilised, averaged over the dissipation (T53).
         slip: Coulomb law as bipotential, ``sum w |b_c(-u, t) + u.t|`` (T3) per power.
-        gap: pair gap ``|D + sum b_c(-u, t) - Fd.u - alpha|`` per power (T15).
-        load: by how much the load factor may be off for what all others leave, to first order, per
-            power: the power of forces out of balance ``sum |r_i| |U_i|`` and of stresses and
-            tractions beyond their strength from below, that of stresses and tractions on flow and
-            contact that are not possible from above. Where soil outruns its load a thousandfold,
-            a millionth of the forces is no millionth of the load.
+        gap: Pair gap ``|D + sum b_c(-u, t) - Fd.u - alpha|`` per power (T15).
+        load: First-order error of the load factor due to all other residuals, per power. From
+            below, it is the power of unbalanced forces ``sum |r_i| |U_i|`` and of stresses and
+            tractions beyond their strength; from above, the power of stresses and tractions on
+            impossible flow and penetration. If soil moves a thousand times faster than the load,
+            forces with an error of a millionth can cause a much larger error of the load factor.
     """
 
     equilibrium: float
@@ -86,7 +86,7 @@ class Certificate(Shown):
         return f"largest {size:.1e} ({name})"
 
     def facts(self) -> Facts:
-        """All residuals, the largest first."""
+        """Return all residuals, with the largest one in the title."""
         kinds = {
             "of forces": ("equilibrium", "yield_violation", "cone"),
             "of velocities": ("penetration", "divergence", "normalisation"),
@@ -107,16 +107,18 @@ class Certificate(Shown):
 def certify(
     program: KinematicProgram, state: ProgramState, contact: FrozenContact | None = None
 ) -> Certificate:
-    """Residuals of a state against the friction laws of the program, with the true reactions.
+    """Compute the residuals of a state against the friction laws of the program.
+
+    The friction bounds follow the reactions of the state.
 
     Args:
-        program: in any units.
-        state: in the same units.
-        contact: judge against these frozen bounds and dilatancies instead of the laws: the
-            certificate of one inner solve.
+        program: Program in any units.
+        state: State in the same units.
+        contact: Frozen bounds and dilatancies that replace the friction laws, for the certificate
+            of one inner solve.
 
     Raises:
-        InputError: no state, one of another program, or contact of another one.
+        InputError: There is no state, or the state or the contact belongs to another program.
     """
     if fault := misfit(program, state):
         raise InputError("state", None, f"has {fault}", "give a state of this program")
@@ -140,45 +142,38 @@ def certify(
     plastic, works = _plastic(program, state)
     dissipated = float(plastic.sum()) + float(rows.weights @ friction)
     dead_power = float(program.dead_load @ u)
-    by_shift = float(rows.weights @ (t_n * shift))
-    # Dilatant friction dissipates nothing; what it lifts against counts in its place.
+    # Dilatant friction dissipates nothing; the power of its reactions counts in its place.
     lifted = float(rows.weights @ (dilatancy * np.maximum(t_n, 0.0) * slip_rate))
-    power = _nonzero(dissipated + lifted + abs(dead_power))
-    forces = _nonzero(
-        abs(state.load_factor) * float(np.abs(program.reference_load).sum())
-        + float(np.abs(program.dead_load).sum())
-    )
-    velocity = _nonzero(_largest(np.abs(u)))
+    power_scale = _nonzero(dissipated + lifted + abs(dead_power))
+    force_scale = _force_scale(program, state)
+    velocity_scale = _nonzero(_largest(np.abs(u)))
+    strain_scale = _strain_scale(program, u, velocity_scale)
+    traction = np.hypot(t_n, np.linalg.norm(t_t, axis=1))
+    reaction_scale = _most(_largest(traction), force_scale / _nonzero(float(rows.weights.sum())))
     by_part = part_forces(program, state)
     at_points = forces_at_points(program, by_part)
     moving = _nonzero(_largest(by_part[program.part] * np.abs(u)))
     residual = np.abs(out_of_balance(program, state))
-    pair_gap = dissipated - dead_power + by_shift - state.load_factor
-    reaction = _most(
-        _largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))),
-        forces / _nonzero(float(rows.weights.sum())),
-    )
-    area = sum(float(group.weights.sum()) for group in program.groups)
-    strain = _most(
-        velocity / np.sqrt(_nonzero(area)),
-        *(_largest(np.linalg.norm(group.cone_vectors(u), axis=1)) for group in program.groups),
-    )
+    pair_gap = dissipated - dead_power + float(rows.weights @ (t_n * shift)) - state.load_factor
     bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
+    outside = np.maximum(excess, -t_n)
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
     defects = plastic - works
     taken = [g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True)]
-    # T15 with what is left of each side: at an optimal velocity and at optimal stresses, whose
-    # places those of the state take.
-    below = (
-        float(residual @ np.abs(u))
-        - float(np.minimum(defects, 0.0).sum())
-        - float(rows.weights @ np.minimum(bipotential, 0.0))
+    below, above = _load_errors(
+        rows,
+        float(residual @ np.abs(u)),
+        defects,
+        bipotential,
+        pair_gap + sum(taken),
+        traction,
+        inward,
     )
-    pushed = np.hypot(t_n, np.linalg.norm(t_t, axis=1))
-    above = pair_gap + sum(taken) + float(rows.weights @ (pushed * np.maximum(inward, 0.0)))
     return Certificate(
-        equilibrium=_most(_largest(residual) / forces, _largest(residual / by_part[program.part])),
+        equilibrium=_most(
+            _largest(residual) / force_scale, _largest(residual / by_part[program.part])
+        ),
         yield_violation=_most(
             *(
                 _largest(group.beyond(stress, mean))
@@ -188,28 +183,79 @@ def certify(
             )
         ),
         cone=_most(
-            _largest(np.maximum(excess, -t_n)) / reaction,
-            # A short joint carries tractions beside which those of all others look small.
-            _largest(rows.weights * np.maximum(excess, -t_n) / at_points),
+            _largest(outside) / reaction_scale,
+            # The tractions of a short joint can be much larger than those of all others.
+            _largest(rows.weights * outside / at_points),
         ),
-        penetration=_most(_largest(inward) / velocity, _largest(inward * at_points) / moving),
+        penetration=_most(_largest(inward) / velocity_scale, _largest(inward * at_points) / moving),
         divergence=_most(
-            *(_largest(g.impossible(u)) / strain for g in program.groups if g.surfaces is None),
+            *(
+                _largest(g.impossible(u)) / strain_scale
+                for g in program.groups
+                if g.surfaces is None
+            ),
             sum(own for g, own in zip(program.groups, taken, strict=True) if g.surfaces is not None)
-            / power,
+            / power_scale,
         ),
         normalisation=abs(float(program.reference_load @ u) - 1),
-        flow=abs(float(defects.sum())) / power,
-        slip=float(rows.weights @ np.abs(bipotential)) / power,
-        gap=abs(pair_gap) / power,
-        load=_most(below, above) / power,
+        flow=abs(float(defects.sum())) / power_scale,
+        slip=float(rows.weights @ np.abs(bipotential)) / power_scale,
+        gap=abs(pair_gap) / power_scale,
+        load=_most(below, above) / power_scale,
     )
 
 
-def _plastic(program: KinematicProgram, state: ProgramState) -> tuple[Floats, Floats]:
-    """Dissipation of all cones, one after the other, and the power of their stresses.
+def _force_scale(program: KinematicProgram, state: ProgramState) -> float:
+    """Return the sum of the sizes of all loads at the load factor of the state, or 1."""
+    return _nonzero(
+        abs(state.load_factor) * float(np.abs(program.reference_load).sum())
+        + float(np.abs(program.dead_load).sum())
+    )
 
-    The latter where they strain at all.
+
+def _strain_scale(program: KinematicProgram, velocity: Floats, velocity_scale: float) -> float:
+    """Return the largest strain rate, or the largest velocity over the length of the bodies."""
+    area = sum(float(group.weights.sum()) for group in program.groups)
+    rates = (np.linalg.norm(g.cone_vectors(velocity), axis=1) for g in program.groups)
+    return _most(velocity_scale / np.sqrt(_nonzero(area)), *map(_largest, rates))
+
+
+def _load_errors(
+    rows: ContactRows,
+    unbalanced: float,
+    defects: Floats,
+    bipotential: Floats,
+    gap: float,
+    traction: Floats,
+    inward: Floats,
+) -> tuple[float, float]:
+    """Return how far the load factor may be too high and too low, as powers.
+
+    These are the terms of (T15) that residuals leave on each side, with the velocity and the
+    stresses of the state in place of the optimal ones.
+
+    Args:
+        rows: Contact points.
+        unbalanced: Power of the unbalanced forces.
+        defects: Dissipation less the power of stresses, per cone.
+        bipotential: Residual of the friction law, per contact point.
+        gap: Pair gap, with the power of stresses on impossible flow.
+        traction: Size of the tractions, per contact point.
+        inward: Velocity of penetration, per contact point.
+    """
+    below = (
+        unbalanced
+        - float(np.minimum(defects, 0.0).sum())
+        - float(rows.weights @ np.minimum(bipotential, 0.0))
+    )
+    above = gap + float(rows.weights @ (traction * np.maximum(inward, 0.0)))
+    return below, above
+
+
+def _plastic(program: KinematicProgram, state: ProgramState) -> tuple[Floats, Floats]:
+    """Return the dissipation of all cones and the power of their stresses.
+
+    The power of cones without a strain rate is zero.
     """
     u = state.velocity
     dissipated, works = [np.zeros(0)], [np.zeros(0)]
@@ -227,14 +273,15 @@ def _plastic(program: KinematicProgram, state: ProgramState) -> tuple[Floats, Fl
 
 
 def _most(*values: float) -> float:
-    """Largest of values and 0; NaN where there is one (the built-in max may drop it)."""
+    """Return the largest of the values and 0; NaN if one is (the built-in max may drop it)."""
     return _largest(np.array(values, dtype=float))
 
 
 def _largest(values: Floats) -> float:
-    """As `_most`, of an array."""
+    """Return the largest value of an array and 0; NaN if one is."""
     return float(np.maximum(0.0, values.max())) if values.size else 0.0
 
 
 def _nonzero(scale: float) -> float:
+    """Return a scale, or 1 if it is not positive."""
     return 1.0 if scale <= 0 else scale

@@ -1,9 +1,11 @@
-"""The kinematic program (T6): arrays and sparse matrices, all that a backend ever sees.
+"""The kinematic program (T6), the arrays and sparse matrices that a backend receives.
 
 minimise   sum_g w_g (c_g ||D_g U|| + h_g ||D_g U||^2/2) + sum_j w_j g_j ||T_j U|| - Fd.U
 subject to F0.U = 1,  theta_g U = 0,  N_j U + s_j >= d_j ||T_j U||
 
 with g_j, d_j, s_j frozen for one inner solve (`FrozenContact`), and h_g = 0 outside a path (T29).
+If strength depends on pressure, the surfaces of a group (T39) replace c_g and ``theta_g U = 0``;
+see `lacore.program.surfaces`. Loops freeze non-associated flow, so backends get associated flow.
 """
 
 from dataclasses import dataclass, replace
@@ -126,15 +128,15 @@ class ContactRows(Compact):
 
 @dataclass(frozen=True, repr=False)
 class FrozenContact(Compact):
-    """What the coupling loop freezes for one inner solve (T9-T11), each of shape (m,).
+    """Contact terms that the coupling loop freezes for one inner solve (T9-T11), shapes (m,).
 
     Attributes:
-        bound: friction bound g, Pa; inf is stick.
-        dilatancy: d.
-        shift: s, m/s.
+        bound: Friction bound g, Pa; inf for stick.
+        dilatancy: Dilatancy d.
+        shift: Shift s, m/s.
 
     Raises:
-        InputError: NaN; a negative bound or dilatancy; an infinite dilatancy or shift.
+        InputError: A value is NaN, negative where it must not be, or infinite (other than bounds).
     """
 
     bound: Floats
@@ -155,15 +157,14 @@ class FrozenContact(Compact):
 
 
 def reaction_contact(contact: ContactRows, normal_reaction: Floats) -> FrozenContact:
-    """Friction bounds frozen at a normal reaction, Pa, shape (m,) (T9)."""
+    """Freeze friction bounds at normal reactions, Pa, shape (m,) (T9)."""
     return family_contact(contact, 0.0, normal_reaction, np.zeros(contact.count))
 
 
 def shift_contact(contact: ContactRows, slip_rate: Floats) -> FrozenContact:
-    """Every Coulomb point made associated and shifted by a slip rate, m/s, shape (m,) (T10).
+    """Make every Coulomb point associated and shift it by its slip rate, m/s, shape (m,) (T10).
 
-    The multipliers of this program maximise ``alpha - sum w mu slip_rate t_n`` over all statically
-    admissible states inside the Coulomb cones.
+    Its multipliers maximise ``alpha - sum w mu slip_rate t_n`` over all admissible states.
     """
     return family_contact(contact, 1.0, np.zeros(contact.count), slip_rate)
 
@@ -171,11 +172,11 @@ def shift_contact(contact: ContactRows, slip_rate: Floats) -> FrozenContact:
 def family_contact(
     contact: ContactRows, kappa: float, normal_reaction: Floats, slip_rate: Floats
 ) -> FrozenContact:
-    """The convex family between both (T11): a share `kappa` of friction dilates.
+    """Freeze contact between `reaction_contact` and `shift_contact` (T11).
 
     Args:
-        contact: the points.
-        kappa: 0 is `reaction_contact`, 1 is `shift_contact`.
+        contact: Contact points.
+        kappa: Share of the friction that dilates: 0 is `reaction_contact`, 1 is `shift_contact`.
         normal_reaction: Pa, shape (m,).
         slip_rate: ``||u_t||``, m/s, shape (m,).
     """
@@ -188,17 +189,17 @@ def family_contact(
 
 
 def associated_contact(contact: ContactRows) -> FrozenContact:
-    """Every Coulomb point made associated (T4): a single solve, an upper bound (T14)."""
+    """Make every Coulomb point associated (T4); a single solve gives an upper bound (T14)."""
     return shift_contact(contact, np.zeros(contact.count))
 
 
 def frictionless_contact(contact: ContactRows) -> FrozenContact:
-    """Every Coulomb point without its friction: a single solve, a lower bound (T14)."""
+    """Remove the friction of every Coulomb point; a single solve gives a lower bound (T14)."""
     return reaction_contact(contact, np.zeros(contact.count))
 
 
 def stick_contact(contact: ContactRows) -> FrozenContact:
-    """No Coulomb point may slip: a single solve, an upper bound (T14)."""
+    """Prevent slip at every Coulomb point; a single solve gives an upper bound (T14)."""
     return replace(
         frictionless_contact(contact), bound=np.where(contact.coulomb, np.inf, contact.limit)
     )
@@ -206,15 +207,14 @@ def stick_contact(contact: ContactRows) -> FrozenContact:
 
 @dataclass(frozen=True, repr=False)
 class KinematicProgram(Compact):
-    """The program (T6) for n velocity unknowns; immutable, no mesh in it.
+    """The program (T6) for n velocity unknowns; immutable and independent of a mesh.
 
     Attributes:
-        groups: dissipation.
-        contact: contact points.
+        groups: Groups of dissipation.
+        contact: Contact points.
         reference_load, dead_load: F0 and Fd, shape (n,), N/m.
-        scales: units.
-        parts: number 0, 1, ... of the body, rigid block or frame that each unknown belongs to,
-            shape (n,): what has an equilibrium of its own. None: all are of one.
+        scales: Units.
+        parts: Number of the body, rigid block or frame of each unknown, shape (n,); None for one.
     """
 
     groups: tuple[DissipationGroup, ...]
@@ -229,12 +229,12 @@ class KinematicProgram(Compact):
 
     @property
     def part(self) -> Ints:
-        """`parts`, zero where all are of one, shape (n,)."""
+        """`parts`, or zeros without them, shape (n,)."""
         return np.zeros(self.n, dtype=np.int64) if self.parts is None else self.parts
 
     @property
     def held_shut(self) -> Floats:
-        """What of `dead_load` is strength of contact in tension, shape (n,)."""
+        """Part of `dead_load` that represents the tensile strength of contact, shape (n,)."""
         return np.asarray(-(self.contact.normal.T @ (self.contact.weights * self.contact.pull)))
 
     @property
@@ -244,7 +244,7 @@ class KinematicProgram(Compact):
 
     @property
     def largest_cone(self) -> int:
-        """Most rows in a cone that carries a norm: 1 is a linear program."""
+        """Largest number of rows in a norm; 1 for a linear program."""
         dims = [group.dim for group in self.groups if group.weights.size]
         return max([*dims, self.contact.tangent_dim if self.contact.count else 0])
 
@@ -275,7 +275,7 @@ class KinematicProgram(Compact):
         return not (self.contact.coulomb.any() or self.frictional)
 
     def friction(self, means: tuple[Floats, ...]) -> Floats:
-        """Friction of the cones of such groups at mean stresses, one after the other, Pa (T50)."""
+        """Return the friction of the cones of groups with non-associated flow, Pa (T50)."""
         return np.concatenate([np.zeros(0), *map(DissipationGroup.friction, self.groups, means)])
 
     def _shares(self, friction: Floats | float) -> "zip[tuple[DissipationGroup, Floats]]":
@@ -284,27 +284,27 @@ class KinematicProgram(Compact):
         return zip(self.groups, parts, strict=True)
 
     def at_friction(self, friction: Floats | float) -> "KinematicProgram":
-        """The program with friction of groups frozen, as `friction` lists it (T52)."""
+        """Return the program with frozen friction of groups, see `friction` (T52)."""
         groups = tuple(own.at_friction(part) for own, part in self._shares(friction))
         return replace(self, groups=groups) if self.frictional else self
 
     def at_flow(self, velocity: Floats, friction: Floats) -> "KinematicProgram":
-        """The program with flow of groups frozen at a velocity, by such a friction (T52)."""
+        """Return the program with the flow of groups frozen at a velocity and friction (T52)."""
         groups = tuple(own.at_flow(velocity, part) for own, part in self._shares(friction))
         return replace(self, groups=groups) if self.frictional else self
 
     def associated(self) -> "KinematicProgram":
-        """The program with flow of all groups normal to their surfaces."""
+        """Return the program with flow of all groups normal to their surfaces."""
         groups = tuple(group.associated() for group in self.groups)
         return replace(self, groups=groups) if self.frictional else self
 
     def hardened(self, velocity: Floats) -> "KinematicProgram":
-        """The program with the stress bounds of a velocity, see `DissipationGroup.hardened`."""
+        """Return the program at the bounds of a velocity, see `DissipationGroup.hardened`."""
         groups = tuple(group.hardened(velocity) for group in self.groups)
         return replace(self, groups=groups) if self.hardens else self
 
     def at_state(self, velocity: Floats, means: tuple[Floats, ...]) -> "KinematicProgram":
-        """The program with the stress bounds and the friction of a state, for which it is exact."""
+        """Return the program at the stress bounds and friction of a state, where it is exact."""
         return self.hardened(velocity).at_friction(self.friction(means))
 
     @property
@@ -313,17 +313,17 @@ class KinematicProgram(Compact):
         return not self.hardens and self.contact.closing is None
 
     def plastic_dissipation(self, velocity: Floats) -> float:
-        """Dissipation of all groups at a velocity."""
+        """Return the dissipation of all groups at a velocity."""
         return float(sum(group.dissipation(velocity).sum() for group in self.groups))
 
     def friction_dissipation(self, velocity: Floats, bound: Floats) -> float:
-        """Dissipation of the contact points at friction bounds; stick points slip by round-off."""
+        """Return the dissipation of contact points at friction bounds; stick points have none."""
         slip, finite = np.linalg.norm(self.contact.slip(velocity), axis=1), np.isfinite(bound)
         return float(np.sum((self.contact.weights * slip)[finite] * bound[finite]))
 
 
 def require_finite(program: KinematicProgram) -> None:
-    """Raise `InputError` where a program holds NaN or infinity (a limit of inf is stick)."""
+    """Raise `InputError` if a program holds NaN or infinity (a limit of inf is stick)."""
     contact = program.contact
     arrays = {
         "reference_load": program.reference_load,
@@ -360,14 +360,14 @@ def require_finite(program: KinematicProgram) -> None:
 
 
 def require_homogeneous(program: KinematicProgram, field: str, fix: str) -> None:
-    """Raise `InputError` for a program of a step of a path: how fast it moves is given there."""
+    """Raise `InputError` for a program of a step of a path, which has a given speed."""
     if not program.homogeneous:
         why = "a state within a step of a path hardens, or closes a distance, at a given speed"
         raise InputError(field, None, why, fix)
 
 
 def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram:
-    """The SI program written in other units: what backends solve, so tolerances mean one thing."""
+    """Write an SI program in other units, in which the tolerances of backends have one meaning."""
     contact = program.contact
     return replace(
         program,
