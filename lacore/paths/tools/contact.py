@@ -20,7 +20,7 @@ from lacore.model.bodies.continuum.dofs import BodyDofs
 from lacore.model.conditions.loads import Load, PointForce
 from lacore.model.contact.laws import Laws
 from lacore.model.contact.obstacles import Obstacle, Plane, Shape
-from lacore.numerics.arrays import Floats
+from lacore.numerics.arrays import Bools, Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.approach import obstacle_station
 from lacore.paths.contact.outlines import Outline, outline
@@ -28,7 +28,7 @@ from lacore.paths.contact.pairs import Side
 from lacore.paths.contact.stations import Station
 from lacore.paths.tools.carrier import PART, corners_of, inner_corners
 
-_INSIDE = 0.02  # of an edge: closer to a vertex of it a corner adds nothing to the vertex
+_INSIDE = 0.02  # of an edge: a vertex of it that is closer to a corner is in contact with it
 _SAME = 1 - 1e-9  # cosine between normals of one line
 _DEEP = 0.1  # of the body size: what is deeper has another part of the body in between
 
@@ -48,7 +48,7 @@ def face_stations(
         begin: where the step begins.
     """
     faces: list[Station] = []
-    corners: list[Station | None] = []
+    corners: list[Station] = []
     n = unknowns.n
     for first, now in zip(*obstacles, strict=True):
         dofs = unknowns.continua[first.body]
@@ -56,11 +56,14 @@ def face_stations(
         station = obstacle_station(first, dofs, n, begin)
         if tool is not None:
             station = carried_station(first, station, now.shape, tool, n)
+        if corners_of(first.shape).size:
+            side = Side.of(first.body, bodies[1][first.body], first.where, "Tool.touches")
+            sides = (outline(side, bodies[0]), outline(side, bodies[1]))
+            station, at_vertex = cornered(station, first, now.shape, sides)
+            corners.append(corner_station(first, now.shape, sides, ~at_vertex, dofs, tool, n))
         faces.append(station)
         corners += inner_stations(first, now.shape, station, dofs, tool, begin, n)
-        own = (bodies[0][first.body], bodies[1][first.body])
-        corners.append(corner_station(first, (first.shape, now.shape), own, dofs, tool, n))
-    return faces, [own for own in corners if own is not None]
+    return faces, corners
 
 
 def carried_station(
@@ -86,6 +89,56 @@ def carried_station(
         y=csr_matrix(station.y - y),
         moving=np.column_stack([station.moving[:, 0], np.zeros(places.shape[1], np.int64)]),
     )
+
+
+def cornered(
+    station: Station, own: Obstacle, now: Shape, sides: tuple[Outline, Outline]
+) -> tuple[Station, Bools]:
+    """Control values with the normal of the body at sharp corners of a face.
+
+    A corner has no normal of its own. Against the mean of its two lines, the body would slide off
+    the corner, which would then cut into an edge.
+
+    Args:
+        station: of all control values, against the closest lines.
+        own: the face where the step begins.
+        now: its shape where the step is solved.
+        sides: the side of the body where the step begins, and where it is solved.
+
+    Returns:
+        The control values, and at which corners a vertex has such a normal.
+    """
+    ends = [np.concatenate([side.curves.start, side.curves.end], axis=1) for side in sides]
+    outward = np.concatenate(
+        [sides[1].normal(np.full(sides[1].edges.size, s)) for s in (0.0, 1.0)], axis=1
+    )
+    near = _INSIDE * np.tile(sides[1].lengths, 2)
+    normals, gaps = station.normals.copy(), station.gaps.copy()
+    found = []
+    for first, here in zip(corners_of(own.shape).T, corners_of(now).T, strict=True):
+        at = np.linalg.norm(ends[1] - here[:, None], axis=0) <= near
+        reach = float(near[at].min(initial=np.inf))
+        away = np.linalg.norm(station.places - here, axis=1)
+        # A vertex that is closer to a line than to the corner has the normal of the line.
+        rows = at.any() & (away <= reach) & (np.abs(gaps) >= _SAME * away - own.near)
+        found.append(bool(rows.any()))
+        if found[-1]:
+            normals[rows] = _within_corner(-outward[:, at].sum(axis=1), now, here, reach)
+            before = ends[0][:, at].mean(axis=1) - first
+            gaps[rows] = np.maximum(normals[rows] @ before, 0.0)
+    return replace(station, normals=normals, gaps=gaps, away=gaps > own.near), np.array(found)
+
+
+def _within_corner(normal: Floats, shape: Shape, corner: Floats, reach: float) -> Floats:
+    """The unit normal between those of the two lines of a corner that is closest to a direction."""
+    bisector = shape.normal(corner[:, None])[:, 0]
+    along = np.array([-bisector[1], bisector[0]])
+    inside = np.stack([along - bisector, -along - bisector], axis=1)
+    lines = shape.normal(corner[:, None] + reach * inside)
+    unit = normal / np.linalg.norm(normal)
+    if unit @ bisector >= lines[:, 0] @ bisector:
+        return np.asarray(unit)
+    return np.asarray(lines[:, int(np.argmax(unit @ lines))])
 
 
 def inner_stations(
@@ -126,59 +179,54 @@ def inner_stations(
 
 def corner_station(
     own: Obstacle,
-    shapes: tuple[Shape, Shape],
-    bodies: tuple[PlaneBody, PlaneBody],
+    now: Shape,
+    sides: tuple[Outline, Outline],
+    chosen: Bools,
     dofs: BodyDofs,
     tool: RigidDofs[RigidBlocks] | None,
     n: int,
-) -> Station | None:
-    """Sharp corners of a face that stand before, or on, edges of a body; None of none.
+) -> Station:
+    """Sharp corners of a face that stand before, or on, edges of a body.
 
     Control values of the body do not see a corner between two of its vertices.
 
     Args:
-        own: the face.
-        shapes, bodies: the face and the body where the step begins, and where it is solved.
+        own: the face where the step begins.
+        now: its shape where the step is solved.
+        sides: the side of the body where the step begins, and where it is solved.
+        chosen: corners at which no vertex is in contact, see `cornered`.
         dofs: of the body there.
         tool: that carries the face; None of a face at rest.
         n: unknowns.
     """
-    first, here = (corners_of(shape) for shape in shapes)
-    if not here.shape[1]:
-        return None
-    side = Side.of(own.body, bodies[1], own.where, "Tool.touches")
-    begin, now = (outline(side, {own.body: body}) for body in bodies)
-    pairs = [_edge_below(now, place) for place in here.T]
-    kept = [number for number, pair in enumerate(pairs) if pair is not None]
-    if not kept:
-        return None
-    found = [pair for pair in pairs if pair is not None]
-    edge, share = np.array([own[0] for own in found]), np.array([own[1] for own in found])
-    there, on = begin.take(edge), now.take(edge)
+    first, here = (corners_of(shape) for shape in (own.shape, now))
+    pairs = {k: _edge_below(sides[1], here[:, k]) for k in np.flatnonzero(chosen).tolist()}
+    found = {k: pair for k, pair in pairs.items() if pair is not None}
+    kept = np.array(list(found), dtype=np.int64)
+    edge = np.array([pair[0] for pair in found.values()], dtype=np.int64)
+    share = np.array([pair[1] for pair in found.values()], dtype=float)
+    there, on = (side.take(edge) for side in sides)
     away = first[:, kept] - there.at(share)
     gap = np.sum(there.normal(share) * away, axis=0)
-    deep = gap < -_DEEP * own.size
-    x, y = dofs.velocity_rows(side.edges[edge], on.at(share), n)
-    moving = np.full(edge.size, -1)
+    x, y = dofs.velocity_rows(on.edges, on.at(share), n)
+    moving = np.full((kept.size, 2), [0, -1 if tool is None else 0])
     if tool is not None:
-        moving = np.zeros(edge.size, np.int64)
-        u, v = tool.velocity_rows(moving, here[:, kept], n)
+        u, v = tool.velocity_rows(moving[:, 1], here[:, kept], n)
         x, y = csr_matrix(x - u), csr_matrix(y - v)
-    count = int(np.sum(~deep))
-    laws = (own.law.coefficient, 0.0, 0.0, 0.0)
-    return Station(
+    station = Station(
         name=own.name,
         bodies=(own.body,) if own.carrier is None else (own.body, own.carrier),
-        places=on.at(share).T[~deep],
-        normals=-on.normal(share).T[~deep],
-        weights=on.lengths[~deep] / 3,
-        gaps=gap[~deep],
-        laws=Laws(*(np.full(count, float(value)) for value in laws)),
-        away=gap[~deep] > own.near,
-        x=csr_matrix(x[~deep]),
-        y=csr_matrix(y[~deep]),
-        moving=np.column_stack([np.zeros(count, np.int64), moving[~deep]]),
+        places=on.at(share).T,
+        normals=-on.normal(share).T,
+        weights=on.lengths / 3,
+        gaps=gap,
+        laws=Laws(np.full(kept.size, own.law.coefficient), *np.zeros((3, kept.size))),
+        away=gap > own.near,
+        x=csr_matrix(x),
+        y=csr_matrix(y),
+        moving=moving,
     )
+    return station.take(gap >= -_DEEP * own.size)
 
 
 def driving(rigid: Mapping[str, BlockAssembly], motions: Mapping[str, Floats]) -> list[Load]:
@@ -200,11 +248,8 @@ def _drive(name: str, block: BlockAssembly, motion: Floats) -> PointForce:
 
 
 def _edge_below(side: Outline, place: Floats) -> tuple[int, float] | None:
-    """The edge that a corner stands before, and where on it; None before a vertex, or beside."""
-    count = side.edges.size
-    s = np.clip(side.closest(np.repeat(place[:, None], count, axis=1)), 0.0, 1.0)
-    length = np.linalg.norm(side.at(s) - place[:, None], axis=0)
+    """The edge that a corner stands before, and where on it; None beyond the ends of all edges."""
+    s = side.closest(np.repeat(place[:, None], side.edges.size, axis=1))
+    length = np.linalg.norm(side.at(np.clip(s, 0.0, 1.0)) - place[:, None], axis=0)
     nearest = int(np.argmin(length))
-    if _INSIDE < s[nearest] < 1 - _INSIDE:
-        return nearest, float(s[nearest])
-    return None
+    return (nearest, float(s[nearest])) if 0.0 <= s[nearest] <= 1.0 else None

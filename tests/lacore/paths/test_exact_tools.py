@@ -58,6 +58,32 @@ def test_a_tool_with_friction_presses_like_a_rigid_block():
     assert path.history.friction.iloc[0] > 0.01
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_punch_with_sharp_corners_presses_like_a_rigid_block(friction):
+    """Its corner holds the edges of the body at a vertex, too, and on either side of one."""
+    held = block()
+    held = la.Problem(held.bodies, supports=[*held.supports, la.Fix("block", "bottom", "y")])
+
+    def corners(x):
+        return [(-0.5, 0.5), (x, 0.5), (x, 0.8), (-0.5, 0.8)]
+
+    def force(x):
+        tool = la.Tool(la.shapes.outline(corners(x)), ("block", "top"), (0, -1), friction=friction)
+        return float(pressed({"up": tool}, scheme="explicit", problem=held).history.force.iloc[0])
+
+    known = la.Problem(
+        {**held.bodies, "up": la.RigidBlock(corners(0.5))},
+        [la.PointForce("up", "block", (0, -1))],
+        held.supports,
+        [la.Interface(("block", "top"), ("up", "block"), friction)],
+    )
+    by_block = la.sequential(known, 0.1, 1, "explicit", control=la.ToolTravel({"up": (0, -1)}))
+    wanted = float(by_block.history.force.iloc[0])
+    assert force(0.5) == pytest.approx(wanted, rel=SAME)
+    assert 0.98 * wanted < force(0.495) <= wanted * (1 + SAME)
+    assert wanted * (1 - SAME) <= force(0.505) < 1.02 * wanted
+
+
 def test_only_the_relative_motion_of_tools_counts():
     one, other = (
         pressed(closing(0.1, *own), scheme="explicit")

@@ -61,8 +61,8 @@ class Following:
         ending: how the path must end; None: however it does.
         volume: largest change of volume of a step, of the volume, that is allowed.
         reading: what else is read; None for nothing.
-        tools: tools of an exact shape that drive the path in place of the reference loads of the
-            problem, which stand for them elsewhere.
+        tools: tools of an exact shape that drive the path. Elsewhere the reference loads of the
+            problem, and its rigid blocks of the same names, stand for them.
         remesh: makes new meshes on the way; None: the path ends where elements would invert.
         bounded: whether the load with which the path begins is to lie between strict bounds.
         ladder: numbers of steps over which the error must fall with the order of the scheme, at
@@ -93,8 +93,18 @@ class Following:
         require_known("scheme", self.scheme, ORDERS)
 
     def problem(self, given: la.Problem) -> la.Problem:
-        """Return a problem as the path takes it: without reference loads where tools drive it."""
-        return replace(given, reference_loads=()) if self.tools else given
+        """Return a problem as the path takes it: without what stands for the tools elsewhere."""
+        if not self.tools:
+            return given
+        return replace(
+            given,
+            bodies={name: own for name, own in given.bodies.items() if name not in self.tools},
+            supports=[own for own in given.supports if own.body not in self.tools],
+            interfaces=[
+                own for own in given.interfaces if not any(n in self.tools for n, _ in own.sides)
+            ],
+            reference_loads=(),
+        )
 
     @property
     def last(self) -> float:

@@ -10,7 +10,8 @@ r"""A sheet is sheared between a punch that moves and a die at rest.
                                        die, at rest
                                  |<- 0.1 ->|  clearance
 
-The punch, the die and the holder are rigid blocks. If the sheet in the clearance shears between
+The punch, the die and the holder are tools. Rigid blocks of their shapes stand for them in the
+bounds of the load with which the path begins. If the sheet in the clearance shears between
 vertical lines, it dissipates k t per travel, and no point slips on a tool. So the force on an edge
 is at most k t, with and without friction, and that is the load without clearance. As the sheet is
 cut, shear across what is left would take k (t - stroke). Elements that stay together spread the
@@ -32,6 +33,19 @@ CLEARANCE = 0.1  # m
 _STRENGTH = float(LAWS["perfect"].stress(np.zeros(1))[0] / np.sqrt(3))  # k
 _HIGH = 0.5  # m, of the tools
 _BELOW = 0.02
+
+
+def _tool(left: float, right: float, low: float) -> "list[tuple[float, float]]":
+    high = low + _HIGH
+    return [(left, low), (right, low), (right, high), (left, high)]
+
+
+_TOOLS = {  # outline, and the side of the sheet that it touches
+    "punch": (_tool(-PUNCH, PUNCH, THICK), "under punch"),
+    "holder": (_tool(PUNCH + CLEARANCE, 2 * WIDTH, THICK), "held"),
+    "die": (_tool(PUNCH + CLEARANCE, 2 * WIDTH, -_HIGH), "on die"),
+}
+_MOTION = (0.0, -1.0)  # of the punch, m per m of travel
 
 
 def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
@@ -59,16 +73,10 @@ def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
             "on die": along(0.0, edge, WIDTH),
         }
     )
-    tools = {
-        "punch": _tool(-PUNCH, PUNCH, THICK),
-        "holder": _tool(edge, 2 * WIDTH, THICK),
-        "die": _tool(edge, 2 * WIDTH, -_HIGH),
-    }
-    touches = {"punch": "under punch", "holder": "held", "die": "on die"}
     return la.Problem(
         bodies={
             "sheet": la.Body(sheet, la.VonMises(hardening=LAWS["perfect"]), space="p2-gauss"),
-            **tools,
+            **{name: la.RigidBlock(shape) for name, (shape, _) in _TOOLS.items()},
         },
         supports=[
             la.Fix("sheet", "left", "x"),
@@ -78,15 +86,11 @@ def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
             la.Fix("die", "block"),
         ],
         interfaces=[
-            la.Interface(("sheet", side), (tool, "block"), mu) for tool, side in touches.items()
+            la.Interface(("sheet", side), (tool, "block"), mu)
+            for tool, (_, side) in _TOOLS.items()
         ],
-        reference_loads=[la.PointForce("punch", "block", (0, -1))],
+        reference_loads=[la.PointForce("punch", "block", _MOTION)],
     )
-
-
-def _tool(left: float, right: float, low: float) -> "la.BlockAssembly":
-    high = low + _HIGH
-    return la.RigidBlock([(left, low), (right, low), (right, high), (left, high)])
 
 
 def largest(path: "la.Path") -> float:
@@ -100,10 +104,19 @@ def path(mu: float, steps: int, scheme: str) -> Following:
         TRAVEL,
         steps,
         scheme,
-        la.ToolTravel({"punch": (0, -1)}),
+        la.ToolTravel({"punch": _MOTION}),
         load="force",
         volume=SOLVER,
         reading=Reading("largest force over k t", largest, 1 - _BELOW, 1 + SOLVER),
+        tools={
+            name: la.Tool(
+                la.shapes.outline(shape),
+                ("sheet", side),
+                _MOTION if name == "punch" else (0.0, 0.0),
+                friction=mu,
+            )
+            for name, (shape, side) in _TOOLS.items()
+        },
         bounded=True,
     )
 

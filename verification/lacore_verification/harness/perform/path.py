@@ -127,12 +127,13 @@ def start_bounds(problem: la.Problem) -> tuple[float, float]:
 def _start(run: Run, stated: Following, discretisation: la.Discretisation) -> float:
     """Load factor with which the path begins, on its own elements."""
     first = la.sequential(
-        discretisation.problem,
+        stated.problem(discretisation.problem),
         stated.travel / stated.steps,
         1,
         "explicit",
         stated.control,
         approaching=stated.approaching,
+        tools=stated.tools,
         backend=run.backend,
         coupling=run.coupling,
     )
