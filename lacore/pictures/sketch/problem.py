@@ -1,5 +1,7 @@
 """Sketch of a problem, before it is solved: what it consists of, how it is held and loaded."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -8,6 +10,7 @@ from lacore.model.bodies.blocks.block_assembly import BlockAssembly
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats
+from lacore.paths.tools.tool import Tool
 from lacore.pictures.axis import draw_axis, label_coordinates, lay_out
 from lacore.pictures.sketch.bodies import draw_body, part_names
 from lacore.pictures.sketch.conditions import (
@@ -20,6 +23,7 @@ from lacore.pictures.sketch.conditions import (
 )
 from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Sheet
+from lacore.pictures.sketch.tools import draw_tools
 from lacore.pictures.space.acting import sketch_of_faces
 from lacore.pictures.space.problem import sketch_in_space
 from lacore.reporting.units import Units, fitting
@@ -32,7 +36,9 @@ _FLAT = 0.08  # a single beam has no height
 _FEW = 6  # contacts, that have their own labels; blocks, that have names
 
 
-def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
+def plot_problem(
+    problem: Problem, units: Units | None = None, tools: Mapping[str, Tool] | None = None
+) -> Figure:
     """Sketch of a problem: outlines, supports, obstacles, friction, loads with their sizes.
 
     Arrows of body forces start at the centroid and show their resultant. Artists carry the
@@ -42,6 +48,7 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     Args:
         problem: any.
         units: that sizes are told in; m, and a prefix that fits most forces, if None.
+        tools: of a path of a plane problem, see `lacore.sequential`: their outlines and motions.
     """
     units = units or Units(fitting(problem.sizes))
     if problem.dimension == 3:
@@ -53,6 +60,7 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     figure.set_facecolor("white")
     sheet = Sheet(figure.add_subplot(), point, units)
     draw_problem(sheet, problem)
+    draw_tools(sheet, tools or {}, problem)
     _name_parts(sheet, problem)
     sheet.place_labels()
     for line in draw_axis(sheet.axes, problem.bodies.values()):

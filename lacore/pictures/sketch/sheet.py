@@ -65,6 +65,7 @@ class Sheet:
         bodies: ground that labels had better leave free.
         taken: places of symbols.
         arrows: places of single arrows, which are among those.
+        tools: ground of tools, on which labels and symbols may stand.
         labels: still to be placed.
         handles: of the legend, by label.
         shades: colours of the regions of each continuum that is drawn.
@@ -76,6 +77,7 @@ class Sheet:
     bodies: list[shapely.Geometry] = field(default_factory=list)
     taken: list[shapely.Geometry] = field(default_factory=list)
     arrows: list[shapely.Geometry] = field(default_factory=list)
+    tools: list[shapely.Geometry] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
     handles: dict[str, Artist] = field(default_factory=dict)
     shades: dict[str, list[tuple[Region, str]]] = field(default_factory=dict)
@@ -193,7 +195,9 @@ class Sheet:
 
     def bounds(self) -> tuple[Floats, Floats]:
         """Corners of all that was drawn, m."""
-        low_x, low_y, high_x, high_y = shapely.total_bounds([*self.bodies, *self.taken])
+        low_x, low_y, high_x, high_y = shapely.total_bounds(
+            [*self.bodies, *self.taken, *self.tools]
+        )
         return np.array([low_x, low_y]), np.array([high_x, high_y])
 
 

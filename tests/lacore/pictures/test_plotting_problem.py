@@ -12,6 +12,7 @@ from matplotlib.patches import FancyArrowPatch
 
 import lacore as la
 from lacore.pictures.mesh import shaded
+from lacore.pictures.sketch.problem import plot_problem
 from lacore_verification.catalogue.catalogue import catalogue
 from lacore_verification.report.stored_figures import sketch_of, sketched
 from tests.shares import one_in
@@ -63,15 +64,15 @@ def stated(problem):
 def sketch(name):
     """Of the first variant of a case: nothing below changes it."""
     case = catalogue()[name]
-    return sketch_of(case, sketched(case, case.variants[0]))
+    return sketch_of(case, *sketched(case, case.variants[0]))
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_sketch_of_a_case_shows_all_that_is_stated(case):
     figure = sketch(case.id)
-    problem = case.problem(case.variants[0], (*case.meshes, *case.meshes)[1])
-    assert set(stated(problem)) <= names(figure)
-    assert any(r"\alpha" in text for text in labels(figure))
+    problem, tools = sketched(case, case.variants[0])
+    assert set(stated(problem)) | {f"tool-{name}" for name in tools} <= names(figure)
+    assert any(r"\alpha" in text for text in labels(figure)) != bool(tools)
     held = any(holds_blocks(support, problem) for support in problem.supports)
     assert ("fixed block" in legend(figure)) == held
     figure.savefig(io.BytesIO(), format="svg")
@@ -121,6 +122,24 @@ def test_arrows_of_a_boundary_stand_outside_and_point_as_the_load_does(load, tai
         assert line[:, 1].min() >= 1.0
         assert (line[0, 1] > line[1, 1]) == (tail == "above")
     assert r"$\alpha \cdot 2$ Pa" in labels(figure)
+
+
+def test_tools_have_their_names_and_arrows_along_their_motions():
+    tools = {
+        "roll": la.Tool(la.shapes.disc((1, 1.5), 0.5), ("soil", "top"), (0, -1), turn=2.0),
+        "stop": la.Tool(la.shapes.plane((2, 0), (-1, 0)), ("soil", "right"), (-0.5, 0)),
+        "die": la.Tool(la.shapes.wedge((0, 0), 30, (-1, 0)), ("soil", "left")),
+    }
+    figure = plot_problem(continuum(reference_loads=()), tools=tools)
+    assert {f"tool-{name}" for name in tools} <= names(figure)
+    assert set(tools) <= set(labels(figure))
+    (down,), (left,) = (arrows(figure, f"tool-{name}-motion") for name in ("roll", "stop"))
+    assert down[1] - down[0] == pytest.approx([0, -2 * np.linalg.norm(left[1] - left[0])])
+    assert left[1, 0] < left[0, 0]
+    ((right, other),) = arrows(figure, "tool-roll-turn")  # anticlockwise over the centre
+    assert right[0] > 1.0 > other[0]
+    assert not arrows(figure, "tool-die-motion")
+    assert "motion of a tool" in legend(figure)
 
 
 def test_shear_runs_along_the_boundary():

@@ -1,5 +1,7 @@
 """Figures of stored results, made in the process that draws them."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.figure import Figure
 from skfem import MeshTet, MeshTri
@@ -7,6 +9,7 @@ from skfem import MeshTet, MeshTri
 import lacore as la
 from lacore.bounds.bracket.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
+from lacore.pictures.sketch.problem import plot_problem
 from lacore.pictures.thumbnails import thumbnail_of_shape, thumbnail_of_shares
 from lacore.reporting import views
 from lacore.reporting.status import Rigor
@@ -22,13 +25,13 @@ from lacore_verification.runs.row import Row
 
 def sketch(case: Case, variant: Variant, path: Outcome | None) -> Figures:
     """Draw the problem of a variant; its thumbnail is the end of the path, if there is one."""
-    problem = sketched(case, variant)
+    problem, tools = sketched(case, variant)
     if path is None:
         small = views.thumbnail(problem)
     else:
         stage, shape = last_shape(path.run, path.evidence)
         small = thumbnail_of_shape(stage, stage, shape)
-    figure = sketch_of(case, problem)
+    figure = sketch_of(case, problem, tools)
     freeze(figure, again=case.sketch is not None)
     return Figures(figure, small)
 
@@ -80,15 +83,23 @@ def _mesh_of(shares: Shares) -> MeshTri | MeshTet:
     return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
 
 
-def sketched(case: Case, variant: Variant) -> la.Problem:
-    """Build the problem of a variant on its second mesh level, where curves look like curves."""
+def sketched(case: Case, variant: Variant) -> tuple[la.Problem, Mapping[str, la.Tool]]:
+    """Build the problem of a variant on its second mesh level, where curves look like curves.
+
+    Returns:
+        The problem, and the tools of its path, without what stands for them elsewhere.
+    """
     level = (*case.meshes, *case.meshes)[1]
-    return case.problem(variant, level)
+    problem = case.problem(variant, level)
+    if case.path is None:
+        return problem, {}
+    stated = case.following_of(variant)
+    return stated.problem(problem), stated.tools
 
 
-def sketch_of(case: Case, problem: la.Problem) -> Figure:
+def sketch_of(case: Case, problem: la.Problem, tools: Mapping[str, la.Tool]) -> Figure:
     """Sketch a problem of a case."""
-    figure = problem.plot()
+    figure = plot_problem(problem, tools=tools)
     if case.sketch is not None:
         case.sketch(figure.axes[0], problem)
     return figure
