@@ -14,26 +14,24 @@ _SECONDS = 60.0
 def least(
     cost: Floats,
     *,
-    at_most: tuple[Sparse, Floats],
     equal: tuple[Sparse, Floats],
     lower: Floats,
     upper: Floats,
+    at_most: tuple[Sparse, Floats] | None = None,
 ) -> Floats | None:
-    """Minimise ``cost.x`` subject to ``A x <= b``, ``E x = d``, ``lower <= x <= upper``.
+    """Minimise ``cost.x`` subject to ``E x = d``, ``lower <= x <= upper``, ``A x <= b``.
 
     Args:
         cost: shape (n,).
-        at_most: A and b.
         equal: E and d.
         lower, upper: shape (n,), may be infinite.
+        at_most: A and b; None: none.
 
     Returns:
         The solution x, or None without one.
     """
-    (over, most), (even, value) = at_most, equal
+    even, value = equal
     given: dict[str, Any] = {
-        "A_ub": csr_matrix(over) if over.shape[0] else None,
-        "b_ub": most if over.shape[0] else None,
         "A_eq": csr_matrix(even) if even.shape[0] else None,
         "b_eq": value if even.shape[0] else None,
         "bounds": np.stack([lower, upper], axis=1),
@@ -43,6 +41,8 @@ def least(
             "time_limit": _SECONDS,
         },
     }
+    if at_most is not None and at_most[0].shape[0]:
+        given |= {"A_ub": csr_matrix(at_most[0]), "b_ub": at_most[1]}
     # Import it here, because it takes a third of a second to load and few problems need it.
     from scipy.optimize import linprog
 

@@ -188,9 +188,10 @@ def _by_lines(driven: KinematicProgram, frozen: FrozenContact) -> Floats | None:
     dilated = diags_array(contact.dilatancy) @ rows.tangential
     rubbing = ~stick & (contact.bound > 0)
     costly = csr_matrix(vstack([*(g.rows for g in program.groups), rows.tangential[rubbing]]))
-    price = np.concatenate(
+    dissipated = np.concatenate(
         [*(g.weights * g.bound for g in program.groups), (rows.weights * contact.bound)[rubbing]]
     )
+    price = units.velocity * dissipated  # per unit power of the load, as a load factor is
     bar = eye_array(price.size)
     none = csr_matrix((rows.count, price.size))
     equal = csr_matrix(vstack([rows.tangential[stick], *(g.volumetric for g in program.groups)]))

@@ -200,7 +200,6 @@ def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:
     free_ones = forces.shape[1] - count
     found = least(
         np.concatenate([np.zeros(forces.shape[1]), np.ones(2 * n)]),
-        at_most=(csr_matrix((0, forces.shape[1] + 2 * n)), np.zeros(0)),
         equal=(csr_matrix(hstack([forces, eye_array(n), -eye_array(n)])), wanted),
         lower=np.concatenate([np.zeros(count), np.full(free_ones, -np.inf), np.zeros(2 * n)]),
         upper=np.full(forces.shape[1] + 2 * n, np.inf),

@@ -23,7 +23,7 @@ from lacore.solvers.inner.preparing import preparer_named
 from tests.lacore.coupling.claims.test_claims import frozen, on_incline
 from tests.lacore.coupling.claims.test_rays import in_a_box
 from tests.lacore.model.bodies.blocks3d.solids import box
-from tests.lacore.planted import MU, P0, on_free_unknowns, sliding
+from tests.lacore.planted import MU, P0, on_free_unknowns, pushed_weight, sliding
 
 TOLERANCE = 1e-6
 FALLING = DeadCollapse(
@@ -357,15 +357,18 @@ def test_proofs_of_dead_loads_do_not_depend_on_the_unit_of_forces(share, size):
     found = prove_dead_loads(other, scaled, preparer_named("clarabel", {}), TOLERANCE)
     state = found.equilibrium if share > 1 else found.mechanism
     weight = float(np.abs(other.dead_load).sum())
+    assert state.load_factor == 0.0
     rubbed = rows.weights @ state.tangential_reaction[:, 0]
     assert abs(rubbed) == pytest.approx(min(share, 1) * weight * np.sin(0.3), rel=1e-5)
     assert found.residual <= TOLERANCE
 
 
-@pytest.mark.parametrize("size", [0.0, 0.1, 1.0, 30.0])
-def test_the_power_of_the_load_in_a_collapse_is_relative_to_the_velocity(size):
+@pytest.mark.parametrize("size", [-1.0, 0.0, 0.1, 1.0, 30.0])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_the_power_of_the_load_in_a_collapse_is_relative_to_the_velocity(size, sign):
     """A load along the slope feels all of the slide of the block, however fast it is."""
-    program, contact = frozen(on_incline(0.3, la.Tresca(0.1), (np.cos(0.3), np.sin(0.3)), 2.0))
+    push = sign * np.cos(0.3), sign * np.sin(0.3)
+    program, contact = frozen(on_incline(0.3, la.Tresca(0.1), push, 2.0))
     driven, added = collapses._driven(program, contact)
     slide = size * slide_of(program)
     found = collapses._judged(program, driven, added, slide, np.inf)
@@ -504,3 +507,35 @@ def test_a_linear_program_finds_no_mechanism_of_what_stands():
     program, contact = frozen(on_incline(0.3, la.Tresca(0.7), (0.0, 1.0), weight=2.0))
     still = replace(program, reference_load=across(program))
     assert collapses._by_lines(*collapses._driven(still, contact)) is None
+
+
+@pytest.mark.parametrize("pull", [0.5, 0.98, 1.02, 3.0])
+def test_a_linear_program_counts_the_area_of_what_yields(pull):
+    """A spring of 0.5 Pa on 2 m^2 carries 1 N of the dead load, which pulls along it."""
+    weight = pushed_weight()
+    program = replace(
+        weight,
+        contact=replace(weight.contact, coefficient=np.zeros(2)),
+        reference_load=np.array([0.0, -1.0]),
+        dead_load=np.array([pull, 0.0]),
+    )
+    driven, added = collapses._driven(program, associated_contact(program.contact))
+    velocity = collapses._by_lines(driven, added)
+    assert (velocity is not None) == (pull > 1)
+    if velocity is not None:
+        assert velocity == pytest.approx([1 / pull, 0.0])
+
+
+def test_what_a_linear_program_leaves_is_carried_up_to_round_off(monkeypatch):
+    """Its multipliers are off by a ten-millionth: a proof needs those that carry all of it."""
+    program, contact = pressed_on_a_slope(0.4)
+    solved = rays.least
+
+    def inexact(*given, **more):
+        found = solved(*given, **more)
+        return found * (1 + 1e-7 * np.cos(np.arange(found.size)))
+
+    monkeypatch.setattr(rays, "least", inexact)
+    ray = locking_ray(program, contact)
+    assert ray.residual <= 1e-14
+    assert ray.proves

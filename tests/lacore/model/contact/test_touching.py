@@ -313,17 +313,18 @@ def test_shapes_are_drawn_on_their_faces(radius):
 
 
 @pytest.mark.parametrize("tip", [(1, 1), (-50, 1), (1, -80)])
-def test_faces_of_a_wedge_are_drawn_beyond_a_box(tip):
+@pytest.mark.parametrize("shift", [0.0, 100.0])
+def test_faces_of_a_wedge_are_drawn_beyond_a_box(tip, shift):
     """As far from the tip as any corner of the box, at least."""
-    low, high = np.array([-1.0, -1.0]), np.array([3.0, 3.0])
-    drawn = wedge(tip, 30.0).outline(low, high)
-    farthest = max(np.hypot(x - tip[0], y - tip[1]) for x in (-1, 3) for y in (-1, 3))
+    ends = shift - 1.0, shift + 3.0
+    drawn = wedge(tip, 30.0).outline(*(np.full(2, end) for end in ends))
+    farthest = max(np.hypot(x - tip[0], y - tip[1]) for x in ends for y in ends)
     lengths = np.linalg.norm(drawn[:, [0, 2]] - drawn[:, [1]], axis=0)
     assert lengths.min() >= farthest
 
 
 def test_joints_within_an_assembly_are_not_those_of_its_interface():
-    """Two boxes next to each other on two others: only those across are contacts, whichever is the slave."""
+    """Boxes next to each other on others: only what touches across counts, on either side."""
 
     def row(height, *names):
         return la.BlockAssembly3D(
@@ -340,3 +341,37 @@ def test_joints_within_an_assembly_are_not_those_of_its_interface():
         turned = touching(("low", on(2, 1)), ("top", on(2, 1)), bodies)
         assert turned.weight.sum() == pytest.approx(shared)
         assert turned.normal == pytest.approx(-found.normal)
+
+
+def test_whole_faces_of_blocks_touch_where_they_are():
+    """A box away from the origin: its contact points are the corners of its base."""
+    bodies = {"b": la.BlockAssembly3D({"b": box((3, 4, 0.7), (5, 7, 2))}, 0.5)}
+    plane = la.RigidObstacle((0, 0, 0.7), (0, 0, 1))
+    for obstacle in (plane, la.RigidObstacle()):
+        found = touching(("b", on(2, 0.7)), obstacle, bodies)
+        assert sorted(map(tuple, found.point.T.round(9))) == [
+            (3.0, 4.0, 0.7),
+            (3.0, 7.0, 0.7),
+            (5.0, 4.0, 0.7),
+            (5.0, 7.0, 0.7),
+        ]
+        assert found.weight == pytest.approx(6 / 4)
+        assert found.normal[:, 0] == pytest.approx([0, 0, 1])
+
+
+@pytest.mark.parametrize(("slope", "side"), [(-0.1, "above"), (0.1, "inside")])
+def test_a_plane_that_a_face_only_meets_along_an_edge_is_rejected(slope, side):
+    """It passes through the edge at x = 0, and the corners at x = 2 are off it."""
+    bodies = {"b": la.BlockAssembly3D({"b": box((0, 0, 0), (2, 1, 1))}, 0.5)}
+    plane = la.RigidObstacle((0, 0, 0), (-slope, 0, 1))
+    with pytest.raises(la.InputError, match=rf"at \(2, .*\) m lies 0\.199 m {side} it"):
+        touching(("b", on(2, 0)), plane, bodies)
+    square = {"b": block(0, 2, 0, 1)}
+    with pytest.raises(la.InputError, match=rf"a node lies 0\.199 m {side} it"):
+        touching(("b", on(1, 0)), la.RigidObstacle((0, 0), (-slope, 1)), square)
+
+
+@pytest.mark.parametrize("points", [5, None, "abc", {1: 2}, [(0, 0), (1, 1)], []])
+def test_fewer_than_three_corners_are_no_outline(points):
+    with pytest.raises(la.InputError, match=r"shapes\.outline\.points"):
+        outline(points)
