@@ -312,3 +312,44 @@ def test_a_box_on_a_floor_in_space():
         stands(lambda x: np.abs(x[2] - 1) < 1e-9)
     with pytest.raises(la.InputError):  # the block is on its other side
         stands(lambda x: np.abs(x[2]) < 1e-9, la.RigidObstacle((0, 0, 0), (0, 0, -1)))
+
+
+@pytest.mark.parametrize("edges", [2, 3])
+def test_contact_along_an_arc_has_its_length_its_moment_and_its_normals(edges):
+    """A sector of 1 rad around a circle of radius 1, by quadratic edges."""
+    flat = la.meshes.quadrilaterals((1, 2), (0, 1), 2, edges)
+    mesh = la.meshes.isoparametric(flat, lambda x: x[0] * np.stack([np.cos(x[1]), np.sin(x[1])]))
+    problem = la.Problem(
+        {"ring": la.Body(mesh, CRITERION, space="q2")},
+        [la.Pressure("ring", "right")],
+        interfaces=[la.Interface(("ring", "left"), la.RigidObstacle(), MU)],
+    )
+    d = la.discretise(problem)
+    rows, place = d.full.contact, d.points.position
+    error = (1 / edges) ** 4 / 50  # of quadratic edges
+    assert rows.weights.sum() == pytest.approx(1.0, abs=error)
+    moment = np.array([np.sin(1), 1 - np.cos(1)])
+    radial = place / np.linalg.norm(place, axis=1, keepdims=True)
+    assert d.points.normal == pytest.approx(radial, abs=20 * error)
+    # The opening by a uniform velocity is its part along the normal.
+    for axis in (0, 1):
+        u = velocity(d, {"ring": lambda x, axis=axis: np.eye(2)[axis][:, None] + 0 * x})
+        assert rows.weights @ rows.opening(u) == pytest.approx(moment[axis], abs=20 * error)
+
+
+def test_crushing_lets_blocks_approach_each_other():
+    """At each point its own speed of crushing adds to the opening of the joint."""
+    blocks = {"low": box((0, 0, 0), (2, 2, 1)), "top": box((0, 0, 1), (2, 2, 2))}
+    assembly = la.BlockAssembly3D(blocks, 0.5, crushing=la.Crushing(1.0, 2))
+    problem = la.Problem(
+        {"b": assembly},
+        [la.PointForce("b", "top", (0, 0, -1))],
+        [la.Fix("b", "low")],
+    )
+    d = la.discretise(problem)
+    rows, dofs = d.full.contact, d.blocks["b"]
+    crushing, u = np.asarray(dofs.crushing), np.zeros(d.full.n)
+    assert crushing.size == rows.count
+    u[crushing] = np.arange(1.0, crushing.size + 1)
+    assert np.sort(rows.opening(u)) == pytest.approx(u[crushing])
+    assert np.abs(rows.slip(u)).max() <= 1e-12
