@@ -290,6 +290,54 @@ def test_a_backend_knows_the_core_only():
     assert offenders(files("lacore_backends"), imports_within(banned, ignored=shared)) == {}
 
 
+STABLE = (
+    *("lacore.program", "lacore.program.state", "lacore.program.certificate"),
+    *("lacore.program.regularization", "lacore.solvers.backend", "lacore.numerics.arrays"),
+    *("lacore.reporting.status", "lacore.reporting.errors"),
+)
+"""Modules from which external backends import, as docs/architecture.md lists them."""
+SHARED = ("lacore.program", "lacore.solvers", "lacore.numerics", *STABLE)
+"""Packages and modules from which the backends of lacore import."""
+
+
+def modules_beyond(allowed):
+    """Return a function that lists the modules of lacore which a file imports from elsewhere."""
+
+    def names_of(path):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        nodes = (own for own in ast.walk(tree) if isinstance(own, ast.ImportFrom))
+        return [
+            node.module
+            for node in nodes
+            if within(node.module, "lacore") and not allowed(node.module)
+        ]
+
+    return names_of
+
+
+def test_an_external_backend_imports_from_stable_modules():
+    example = sorted((ROOT / "examples" / "lacore-ecos").glob("*.py"))
+    assert example
+    assert offenders(example, modules_beyond(STABLE.__contains__)) == {}
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    paragraph = page.partition("External backends import only")[2].partition(
+        "These paths are stable"
+    )[0]
+    assert all(name in paragraph or name.rpartition(".")[2] in paragraph for name in STABLE)
+
+
+def test_the_backends_of_lacore_import_from_few_packages():
+    def shared(module):
+        return any(within(module, package) for package in SHARED)
+
+    assert offenders(files("lacore_backends"), modules_beyond(shared)) == {}
+
+    def public(module):
+        return module != "lacore.program.kinematic"  # its names are those of lacore.program
+
+    assert offenders(files("lacore_backends"), modules_beyond(public)) == {}
+
+
 def test_a_case_knows_no_backend():
     banned = ("lacore_backends", *SOLVERS)
     assert offenders(files("lacore_verification.cases"), imports_within(banned)) == {}

@@ -17,7 +17,7 @@ import numpy as np
 
 from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import Gram
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.regularization import Penalties, escaped, judged_status
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution

@@ -9,7 +9,7 @@ import clarabel
 import numpy as np
 
 from lacore.numerics.arrays import Floats
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.regularization import Penalties
 from lacore.reporting.status import Status
 from lacore_backends._conic_form import ConicForm, Pattern

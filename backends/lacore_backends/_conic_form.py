@@ -28,7 +28,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
 from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
-from lacore.program.kinematic import POWER, FrozenContact, KinematicProgram
+from lacore.program import POWER, FrozenContact, KinematicProgram
 from lacore.program.regularization import Penalties
 from lacore.program.state import ProgramState
 from lacore_backends._conic_rows import Law, Norm, placed, strain_law, wide

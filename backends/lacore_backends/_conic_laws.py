@@ -13,8 +13,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.program.dissipation import DissipationGroup
-from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
 from lacore.program.regularization import Penalties, RegularisedPoint, RegularisedValues, by_shifts
 from lacore.program.state import ProgramState
 from lacore.program.surfaces import Surfaces

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.numerics.arrays import Floats, Sparse
-from lacore.program.kinematic import DissipationGroup, interleaved
+from lacore.program import DissipationGroup, interleaved
 
 
 @dataclass(frozen=True)

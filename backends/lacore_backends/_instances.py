@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from lacore.numerics.arrays import Floats
-from lacore.program.kinematic import POWER, FrozenContact, KinematicProgram
+from lacore.program import POWER, FrozenContact, KinematicProgram
 from lacore.reporting.errors import InputError
 from lacore_backends._conic_form import ConicForm, Pattern
 

@@ -15,7 +15,7 @@ import numpy as np
 from lacore.numerics.arrays import Floats
 from lacore.numerics.linear_algebra import Gram, SingularError, SymmetricSolver
 from lacore.numerics.second_order_cones import outside
-from lacore.program.kinematic import KinematicProgram
+from lacore.program import KinematicProgram
 from lacore.program.regularization import escaped
 from lacore_backends._conic_laws import ConicLaws
 from lacore_backends._conic_points import Place, Points

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, hstack, vstack
 
 from lacore.numerics.arrays import Floats
-from lacore.program.kinematic import POWER, FrozenContact, KinematicProgram
+from lacore.program import POWER, FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 
 

@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix
 
 from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import Gram, SingularError, SymmetricSolver
-from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.program.regularization import Beside, Penalties, RegularisedPoint, beside, evaluate
 
 _ROUND_OFF = 1e-16  # round-off of the curvature, by the largest

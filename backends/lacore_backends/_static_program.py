@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, hstack, vstack
 
 from lacore.numerics.arrays import Floats, Ints, Sparse
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.program.surfaces import Surfaces
 from lacore_backends._ipopt import to_casadi

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, identity
 
 from lacore.numerics.arrays import Bools, Floats, Sparse
-from lacore.program.kinematic import DissipationGroup
+from lacore.program import DissipationGroup
 
 _SLIGHT = 1e-3  # small hardening, by the bound, at rates of order 1
 _SMALL = 0.1  # weight times strain rate by velocity, in natural units, of a few hundred elements

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.reporting.errors import require_count, require_positive
 from lacore.reporting.status import Status
 from lacore.solvers.backend import (

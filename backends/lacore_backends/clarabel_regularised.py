@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.regularization import (
     RegularisedPoint,
     by_shifts,

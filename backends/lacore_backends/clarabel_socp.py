@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.reporting.errors import require_count, require_positive
 from lacore.reporting.status import Status
 from lacore.solvers.backend import Capabilities, InnerSolution, Writer

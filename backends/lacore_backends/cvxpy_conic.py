@@ -26,7 +26,7 @@ from cvxpy.reductions.solvers.defines import SOLVER_MAP_CONIC, SOLVER_MAP_QP
 from scipy.sparse import diags_array
 
 from lacore.numerics.arrays import Bools, Floats, Sparse
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.program.surfaces import Surfaces
 from lacore.reporting.status import Status

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import highspy
 import numpy as np
 
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.reporting.errors import InputError, require_count, require_known, require_positive
 from lacore.reporting.status import Status
 from lacore.solvers.backend import Capabilities, InnerSolution, Writer

@@ -19,7 +19,7 @@ from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.reporting.errors import require_count, require_positive
 from lacore.reporting.status import Status

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from lacore.numerics.arrays import Floats, Sparse
-from lacore.program.kinematic import FrozenContact, KinematicProgram, interleaved
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.program.regularization import (
     Penalties,
     check_penalties,

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lacore.numerics.arrays import Floats
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState, out_of_balance
 from lacore.reporting.errors import require_count, require_positive
 from lacore.reporting.status import Status

@@ -19,7 +19,7 @@ import scipy
 from lacore.numerics.arrays import Bools, Floats
 from lacore.numerics.linear_algebra import Gram, SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.regularization import (
     Penalties,
     RegularisedPoint,

@@ -23,7 +23,7 @@ from scipy.sparse import diags_array
 
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.threads import one_thread_each
-from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.program.regularization import (
     Penalties,
     RegularisedPoint,

@@ -1,4 +1,4 @@
-"""Kinematic programs, points of them, certificates and regularisation: arrays without a mesh."""
+"""Kinematic programs, their states, certificates and regularisation, as arrays without a mesh."""
 
 import lazy_loader
 

@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.interleaving import interleaved
-from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 from lacore_backends._embedding.loops.best import Loops
 from lacore_backends._embedding.pressure_dependent import Apex, Planes, alone

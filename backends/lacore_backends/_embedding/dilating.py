@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
 from lacore.numerics.arrays import Floats, Sparse
+from lacore.program import KinematicProgram
 from lacore.program.dissipation import DissipationGroup
-from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.solvers.inner.left_over import dilates_besides
 

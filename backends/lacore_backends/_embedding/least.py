@@ -7,7 +7,7 @@ machine. During a solve this time would count to its time limit.
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 
 _CONES, _POINTS = 2, 4
 _N = 2 * _CONES + _POINTS

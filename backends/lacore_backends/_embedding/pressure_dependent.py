@@ -22,7 +22,7 @@ from scipy.sparse import csr_matrix
 
 from lacore.numerics.arrays import Floats
 from lacore.numerics.interleaving import interleaved
-from lacore.program.kinematic import DissipationGroup
+from lacore.program import DissipationGroup
 from lacore_backends._embedding.loops.best import Loops
 from lacore_backends._embedding.rows import Rows
 

@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
-from lacore.program.kinematic import KinematicProgram
+from lacore.program import KinematicProgram
 
 _MOST = 7  # number of motions to search for: one more than a body has in three dimensions
 _SHIFT = 1e-10  # shift by the diagonal: negligible compared with the smallest stiffness of a body
