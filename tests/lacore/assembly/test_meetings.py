@@ -146,3 +146,56 @@ def test_an_interface_that_opens_is_reported_where_the_structure_parts(friction,
     found = opening(sticking("nothing", friction), status)
     assert (found is not None) == reported
     assert found is None or found.kind is Kind.OPENS
+
+
+def test_between_two_bodies_the_weaker_one_yields():
+    """Strengths 1 and 3; the other interface of either body is one with a body that moves."""
+    for one, other in ((1.0, 3.0), (3.0, 1.0)):
+        bodies = {
+            "block": la.Body(la.meshes.rectangle((0, 1), (0, 1), 2, 2), la.VonMises(one)),
+            "low": la.Body(la.meshes.rectangle((0, 1), (-1, 0), 2, 2), la.VonMises(other)),
+            "next": la.Body(la.meshes.rectangle((-1, 0), (0, 1), 1, 1), CRITERION),
+        }
+        problem = la.Problem(
+            bodies,
+            [la.Traction("block", "top", (1, 0))],
+            [la.Fix("low", "bottom"), la.Fix("next", "bottom")],
+            [
+                la.Interface(("block", "bottom"), ("low", "top"), la.STICK),
+                la.Interface(("block", "left"), ("next", "right"), la.SMOOTH),
+            ],
+        )
+        assert limit(problem) == 1.0
+
+
+def test_blocks_that_are_bonded_have_one_equilibrium_and_their_neighbours_another():
+    """Two assemblies of two blocks, of which one of each is bonded."""
+
+    def pair(x):
+        return {
+            name: [(x + k, 0), (x + k + 1, 0), (x + k + 1, 1), (x + k, 1)]
+            for k, name in enumerate(("near", "far") if x > 0 else ("far", "near"))
+        }
+
+    bodies = {"left": la.BlockAssembly(pair(-2.0), 0.3), "right": la.BlockAssembly(pair(1.0), 0.3)}
+    middle = la.BlockAssembly({"m": [(0, 0), (1, 0), (1, 1), (0, 1)]}, 0.3)
+    bond = {"friction": la.BOND}
+    problem = la.Problem(
+        {**bodies, "middle": middle},
+        [la.BodyForce("middle", (1, 0))],
+        [la.Fix("left", "far")],
+        [
+            la.Interface(("left", lambda x: x[0] == 0), ("middle", lambda x: x[0] == 0), **bond),
+            la.Interface(("middle", lambda x: x[0] == 1), ("right", lambda x: x[0] == 1), **bond),
+        ],
+        dead_loads=[la.BodyForce(name, (0, -1)) for name in (*bodies, "middle")],
+    )
+    d = discretise(problem)
+    part = {
+        (name, block): int(d.full.parts[own.offset + 3 * number])
+        for name, own in d.blocks.items()
+        for number, block in enumerate(own.body.names)
+    }
+    joined = {part["left", "near"], part["middle", "m"], part["right", "near"]}
+    assert len(joined) == 1
+    assert len({*joined, part["left", "far"], part["right", "far"]}) == 3

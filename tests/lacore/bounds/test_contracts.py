@@ -9,6 +9,8 @@ import pytest
 import lacore as la
 from lacore.assembly.discretise import discretise
 from lacore.bounds import lower as lower_module
+from lacore.bounds import upper as upper_module
+from lacore.bounds.bracket.singular_points import friction_of
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import _matched
 from lacore.bounds.static_model import static_model
@@ -116,3 +118,62 @@ def test_a_collapse_under_dead_load_is_proven_as_sharply_as_a_state(monkeypatch)
     heavy = replace(cantilever(), dead_loads=[la.BodyForce("block", (0, -10.0))])
     assert la.lower_bound(heavy).status is la.Status.UNSAFE
     assert asked == [la.solve(cantilever()).tolerance]
+
+
+@pytest.mark.parametrize("angle", [0.0, 10.0, 30.0, 45.0])
+def test_fans_follow_the_tangent_of_the_friction_angle(angle):
+    soil = la.MohrCoulomb(1.0, angle) if angle else CRITERION
+    body = la.Body(la.meshes.rectangle((0, 1), (0, 1), 1, 1), soil)
+    assert friction_of(body) == pytest.approx(np.tan(np.radians(angle)))
+
+
+@pytest.mark.parametrize(("components", "points"), [(None, 8), ("x", 8), ("y", 8), ("xy", 0)])
+def test_contact_that_a_support_takes_altogether_has_no_reactions(components, points):
+    """Four edges of two ends each; a support of one direction leaves the other one to contact."""
+    stated = deformable_block(la.Tresca(0.4))
+    held = [] if components is None else [la.Fix("block", "bottom", components)]
+    if components == "xy":
+        held.append(la.Fix("block", "left", "y"))
+    problem = replace(stated, supports=held)
+    model = static_model(replace(problem, reference_loads=[la.Traction("block", "top", (1, 1))]))
+    assert model.program.contact.count == points
+
+
+def test_a_velocity_that_leaks_is_reported_with_its_leak(monkeypatch):
+    stated = discretise(deformable_block(la.STICK))
+    true = upper_module.admissible_velocity
+
+    def leaking(program, velocity):
+        moved = true(program, velocity)
+        noise = np.random.default_rng(0).uniform(-1e-3, 1e-3, moved.size)
+        return moved + noise
+
+    monkeypatch.setattr(upper_module, "admissible_velocity", leaking)
+    found = la.upper_bound(stated)
+    assert found.status is la.Status.NOT_CERTIFIED
+    assert [own.kind for own in found.findings] == [Kind.VELOCITY_NOT_ADMISSIBLE, Kind.SOLVE]
+    assert found.findings[0].values["leak"] == found.divergence > 1e-6
+
+
+@pytest.mark.parametrize("name", ["reference_loads", "dead_loads"])
+def test_quadratic_stresses_take_strength_in_proportion_to_their_load(name):
+    """Of reference loads as far as the load factor, of dead loads always."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    weight = la.BodyForce("soil", (0.0, la.Linear(-1.0, (0.5, 0.0), at=(0.0, 0.0))))
+    push = la.Traction("soil", "top", (1, 0))
+    loads = {"reference_loads": [push], "dead_loads": []}
+    loads[name] = [*loads[name], weight]
+    problem = la.Problem(
+        {"soil": la.Body(mesh, la.VonMises(10.0))}, supports=[la.Fix("soil", "bottom")], **loads
+    )
+    model = static_model(problem)
+
+    def taken(load_factor):
+        (own,), (whole,) = model.weakened(load_factor).program.groups, model.program.groups
+        return whole.bound - own.bound
+
+    live = name == "reference_loads"
+    assert taken(1.0).max() > 0
+    assert taken(0.5) == pytest.approx((0.5 if live else 1.0) * taken(1.0))
+    assert taken(-0.5) == pytest.approx(taken(0.5))
+    assert taken(0.0) == pytest.approx(0.0 if live else taken(1.0))

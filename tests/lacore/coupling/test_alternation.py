@@ -145,3 +145,92 @@ def test_the_closest_state_is_that_of_the_least_gap(monkeypatch):
     run.iterates[3].certificate = None
     assert len(s_steps(run)) == 2
     assert least_gap(run) == 0.5
+
+
+def resumed(monkeypatch, ends, gaps=(0.5, 0.5), start=2.0):
+    """A loop from friction nearby: the first K-step freezes it."""
+    run = Loop(monkeypatch, gaps, ends)
+    reactions = None if start is None else np.full(ROWS, start)
+    run.friction_start = SimpleNamespace(normal_reaction=reactions, slip="slip")
+    monkeypatch.setattr(
+        steps, "k_step", lambda run, r, static, kind: run.k_step(run, r, 0, kind)[1]
+    )
+    return run, steps.resumed(run, steps.static_alone, 0)
+
+
+@pytest.mark.parametrize("kind", ["K", "S"])
+@pytest.mark.parametrize("what", ["none", "free", "proven"])
+def test_a_resumed_loop_ends_with_its_first_pair(monkeypatch, kind, what):
+    run, found = resumed(monkeypatch, {(kind, 1): what})
+    assert (found is not None) == (what == "proven")
+    assert (run.count("K"), run.count("S")) == ((1, 0) if kind == "K" else (1, 1))
+    assert run.frozen == [2.0]
+
+
+def test_a_resumed_loop_alternates_for_a_few_solves(monkeypatch):
+    run, found = resumed(monkeypatch, {}, [0.5**k for k in range(20)])
+    assert found is None
+    assert len(run.iterates) == steps._SOON
+    run, found = resumed(monkeypatch, {("S", 2): "proven"})
+    assert found is run.iterates[-1]
+
+
+def test_without_reactions_a_loop_starts_from_what_rough_solves_find(monkeypatch):
+    """Or not at all."""
+    monkeypatch.setattr(steps, "_found_roughly", lambda run, slip: None)
+    run, found = resumed(monkeypatch, {}, start=None)
+    assert found is None
+    assert not run.iterates
+    monkeypatch.setattr(steps, "_found_roughly", lambda run, slip: np.full(ROWS, 7.0))
+    run, _ = resumed(monkeypatch, {("K", 1): "proven"}, start=None)
+    assert run.frozen == [7.0]
+
+
+class Rough:
+    """A run of rough solves, which leave given gaps; None: no point."""
+
+    def __init__(self, monkeypatch, gaps):
+        self.gaps, self.kinds, self.closed = list(gaps), [], 0
+        self.program = SimpleNamespace(
+            contact=SimpleNamespace(slip=lambda velocity: np.full((ROWS, 1), velocity))
+        )
+        self.prepare_roughly = lambda program: self
+        monkeypatch.setattr(steps, "associated_contact", lambda rows: "associated")
+        monkeypatch.setattr(steps, "shift_contact", lambda rows, slip: float(slip[0]))
+        monkeypatch.setattr(steps, "pressing", lambda program, own: own.normal_reaction)
+
+    def close(self):
+        self.closed += 1
+
+    def solve(self, kind, contact, solver):
+        gap = self.gaps.pop(0)
+        self.kinds.append((kind, contact))
+        number = len(self.kinds)
+        own = None if gap is None else point(1.0, float(number))
+        if own is not None:
+            own.velocity = 10.0 * number
+            own.normal_reaction[0] = 1e-4 * number
+        inner = SimpleNamespace(point=own)
+        return SimpleNamespace(inner=inner, certificate=gap and SimpleNamespace(gap=gap))
+
+
+@pytest.mark.parametrize(
+    ("slip", "gaps", "kinds"),
+    [
+        (None, [1.0, 0.5, 0.005], [("rough associated", "associated"), 10.0, 20.0]),
+        (np.full(ROWS, 3.0), [0.005], [("rough S", 3.0)]),
+        (None, [1.0] * 9, [("rough associated", "associated"), 10.0, 20.0, 30.0]),
+    ],
+)
+def test_rough_solves_follow_the_slip_until_the_gap_is_small(monkeypatch, slip, gaps, kinds):
+    """At most three after the first one; reactions that are noise are none."""
+    run = Rough(monkeypatch, gaps)
+    found = steps._found_roughly(run, slip)
+    assert run.kinds == [own if isinstance(own, tuple) else ("rough S", own) for own in kinds]
+    assert run.closed == 1
+    assert found.tolist() == [0.0] + [float(len(kinds))] * (ROWS - 1)
+
+
+@pytest.mark.parametrize("gaps", [[None], [1.0, None]])
+def test_rough_solves_without_a_point_find_nothing(monkeypatch, gaps):
+    assert steps._found_roughly(Rough(monkeypatch, gaps), None) is None

@@ -82,8 +82,19 @@ def test_above_the_associated_load_nothing_is_solved(monkeypatch):
         found = true(run, static)
         return replace(found, state=replace(found.state, load_factor=found.state.load_factor + 0.1))
 
-    monkeypatch.setattr(certified, "averaged", lifted)
+    monkeypatch.setattr(certified, "_OF_CONTACT", (lifted,))
     monkeypatch.setattr(certified.Run, "proven", lambda run, iterate: iterate.kind != "associated")
     state = la.solve(stone_on_a_wall(1.0))
     assert state.status is la.Status.NOT_CERTIFIED
     assert "associated law has a mechanism at a lower load factor" in state.message
+
+
+def test_what_a_solve_leaves_between_both_values_widens_bounds():
+    """Stresses in equilibrium prove less, and velocities more, than a solve says, by its gap."""
+    program, inner = wrong_velocity(bent)
+    own = inner.point.load_factor
+    exact = replace(inner, point=replace(inner.point, load_factor=EXACT))
+    gap = own - EXACT
+    assert gap > 1e-8
+    assert lower_bound(program, exact, TOLERANCE) == pytest.approx(EXACT - gap, abs=1e-12)
+    assert upper_bound(program, exact, TOLERANCE) == pytest.approx(own + gap, abs=1e-12)

@@ -23,6 +23,7 @@ from lacore.coupling.freezing import associated
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Run
 from lacore.coupling.steps import alternate, mean, static_alone
+from lacore.numerics.linear_algebra import SingularError
 from lacore.program.kinematic import associated_contact, dimensionless
 from lacore.reporting.status import Status
 from lacore.solvers.backend import find_backend, read_options
@@ -344,3 +345,47 @@ def test_tall_walls_pass_the_independent_check(wide, courses, every, mu):
     assert state.status is la.Status.SOLVED, state.message
     s = stated(problem, state, mu)
     assert accepts(s), residuals(s)
+
+
+def test_a_start_keeps_the_difference_of_reactions_and_openings(run):
+    """Each per its largest: their product is given, and nothing else of the state changes."""
+    state, rows = run.iterates[0].inner.point, run.program.contact
+    problem, z = inside(run)
+    p, _, s, *_, u, alpha = problem.parts(z)
+    pressed = rows.weights * state.normal_reaction
+    size, speed = np.abs(pressed).max(), np.abs(state.velocity).max()
+    expected = pressed / size - rows.opening(state.velocity) / speed
+    assert p / size - s / speed == pytest.approx(expected, abs=1e-9)
+    assert np.array_equal(u, state.velocity)
+    assert float(alpha[0]) == state.load_factor
+
+
+def test_a_path_begins_at_the_associated_state(run, monkeypatch):
+    """Not at the state that the loop has reached, unless there is no other one."""
+    asked = []
+    monkeypatch.setattr(of_blocks, "_ends", lambda run, start: iter(asked.append(start) or ()))
+    first = run.iterates[0].inner.point
+    assert of_blocks.central_path(run, "static") is None
+    assert asked == [first]
+    without = replace(run.iterates[0], inner=replace(run.iterates[0].inner, point=None))
+    of_blocks.central_path(replace(run, iterates=[without]), "static")
+    assert asked[1] == "static"
+
+
+@pytest.mark.parametrize("name", ["normal_reaction", "velocity"])
+def test_a_state_without_forces_or_motion_starts_no_path(run, name):
+    start = run.iterates[0].inner.point
+    nothing = replace(start, **{name: 0 * getattr(start, name)})
+    ones = np.ones(run.program.contact.count)
+    answer = Path(run.program, nothing, ones, BAR, np.inf).solve(None)
+    assert answer.point is None
+    assert answer.native_status == "no start"
+
+
+def test_there_is_no_derivative_outside_of_the_cones(run):
+    problem, z = inside(run)
+    outside = z.copy()
+    outside[0] = -outside[0]
+    with pytest.raises(SingularError, match="as flat as round-off"):
+        problem.linear(outside)
+    assert problem.off(outside, problem.residual(z)) == np.inf

@@ -4,6 +4,7 @@ import pytest
 
 import lacore as la
 from lacore.coupling.kinds import COUPLINGS
+from lacore.coupling.options import CouplingOptions
 
 CERTIFIED = 0.4  # friction 0.3, and a tenth of the weight against the push
 
@@ -46,3 +47,10 @@ def test_single_solves_bound_the_coulomb_load_factor_on_their_side(name, exact, 
 def test_a_model_errs_on_the_sides_that_it_does_not_bound(name, dilates, stronger, weaker):
     kind = COUPLINGS[name]
     assert (kind.dilates, kind.may_be_stronger, kind.may_be_weaker) == (dilates, stronger, weaker)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.1, -0.5, float("nan"), "0.5", None, True])
+def test_a_damping_is_a_share(damping):
+    with pytest.raises(la.InputError, match="damping"):
+        CouplingOptions(damping=damping)
+    assert CouplingOptions(damping=1).damping == 1

@@ -10,6 +10,7 @@ import pytest
 import lacore as la
 from lacore.bounds.bracket import asking, marking, refine, starts
 from lacore.bounds.bracket.bracket import crossing, proven
+from lacore.bounds.bracket.same_domain import difference
 from lacore.reporting.status import Status
 from tests.lacore.models import CRITERION, deformable_block, punch
 
@@ -253,3 +254,58 @@ def test_without_a_proven_bound_there_is_no_size_and_no_crossing():
     assert run_with(-3.0).size == 3.0
     assert not run_with(2.0, 1.0).crossed  # numbers that are no bounds of either kind
     assert run.natural == 1.0
+
+
+@pytest.mark.parametrize(("top", "expected"), [(CRITERION, False), (la.MohrCoulomb(1, 20), True)])
+def test_one_soil_makes_a_bracket_pressure_dependent(monkeypatch, top, expected):
+    def run(bodies, pressure_dependent, *more):
+        seen.append((bodies, pressure_dependent))
+        raise KeyboardInterrupt
+
+    seen = []
+    monkeypatch.setattr(refine, "_Run", run)
+    bodies = {
+        name: la.Body(la.meshes.rectangle((0, 1), (y, y + 1), 1, 1), own)
+        for name, y, own in (("low", -1, CRITERION), ("top", 0, top))
+    }
+    problem = la.Problem(
+        bodies,
+        [la.Traction("top", "top", (1, 0))],
+        [la.Fix("low", "bottom")],
+        [la.Interface(("top", "bottom"), ("low", "top"), la.BOND)],
+    )
+    with pytest.raises(KeyboardInterrupt):
+        la.bracket(problem, 0.1)
+    assert seen == [(["low", "top"], expected)]
+
+
+def test_lengths_of_boundaries_that_differ_are_in_metres():
+    mesh = la.meshes.rectangle((0, 10), (0, 10), 2, 2)
+    half = {"top": lambda x: (x[1] == 10) & (x[0] <= 5)}
+    other = mesh.with_boundaries(half)
+    why = difference(la.Body(mesh, CRITERION), la.Body(other, CRITERION))
+    assert why == "its boundary 'top' lies elsewhere (lengths 5 and 10)"
+
+
+@pytest.mark.parametrize("coulomb", [False, True])
+def test_growths_count_what_refinement_can_gain(monkeypatch, coulomb):
+    """The part of the width that refinement of the open tracks does not remove."""
+    asked = []
+
+    def growths(tracks, missing, order, apart):
+        asked.append((len(tracks), missing, apart))
+        return [1.0] * len(tracks)
+
+    monkeypatch.setattr(refine, "growths", growths)
+    monkeypatch.setattr(refine, "order", lambda seen: 1.0)
+    run = run_with(9.0, 11.0, coulomb=coulomb)
+    tracks = [SimpleNamespace(rest=0.3), SimpleNamespace(rest=0.1)]
+    run.growths(tracks, [0])
+    run.growths(tracks, [0, 1])
+    run.growths([SimpleNamespace(rest=inf), tracks[1]], [0])
+    width = 2.0
+    first = 1 - 0.3 / width if coulomb else 0.25
+    both = 1 - 0.4 / width if coulomb else 0.0
+    assert [own[0] for own in asked] == [1, 2, 1]
+    assert [own[2] for own in asked] == pytest.approx([first, both, 0.0])
+    assert asked[0][1] == pytest.approx(run.width / 0.1)
