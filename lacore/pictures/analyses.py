@@ -1,4 +1,4 @@
-"""Pictures of analyses: load factors along a parameter, of load cases, sensitivities, surfaces."""
+"""Pictures of analyses: load factors along a parameter, load cases, sensitivities, envelopes."""
 
 from itertools import combinations
 
@@ -38,19 +38,19 @@ _NAME = 28  # characters of the name of a case
 
 _SIZE = (7.0, 3.8)  # inches
 _LINE, _FOUND, _WRONG = "#2b6a99", "#b2182b", "#999999"
-_MARGIN = 0.06  # of the range of load factors
+_MARGIN = 0.06  # by the range of load factors
 _TINY = float(np.finfo(float).tiny)
-_HIGHEST = 4.0  # of a picture of the least, per the middle one: others would flatten it
+_HIGHEST = 4.0  # limit of a picture by its median, as higher values would flatten it
 
 
 def plot_critical(found: Critical, parameter: str = "parameter") -> Figure:
-    """Load factors over the parameter, the target, and wherever both were found to meet.
+    """Plot load factors over the parameter, the target, and their crossings.
 
-    Values without a finite load factor stand at the border, with their status.
+    Values without a finite load factor are at the border, with their status.
 
     Args:
-        found: the answer.
-        parameter: what the axis is called.
+        found: the result.
+        parameter: label of the axis.
     """
     figure, axes = _axes(_heading(found))
     _curve(axes, found.table, found.target)
@@ -69,11 +69,11 @@ def plot_critical(found: Critical, parameter: str = "parameter") -> Figure:
 
 
 def plot_worst_position(found: WorstPosition, position: str = "position") -> Figure:
-    """Load factors over the position, and the least of them.
+    """Plot load factors over the position, and the smallest of them.
 
     Args:
-        found: the answer.
-        position: what the axis is called.
+        found: the result.
+        position: label of the axis.
     """
     heading = f"smallest load factor found: {found.load_factor:.6g} at {found.position:.6g}"
     figure, axes = _axes(heading)
@@ -131,9 +131,10 @@ def _curve(axes: Axes, table: pd.DataFrame, level: float, highest: float = np.in
 
 
 def plot_load_cases(cases: LoadCases) -> Figure:
-    """A bar a case, as long as its load factor; of brackets from 0 to the lower bound, then a line.
+    """Plot a bar per case with its load factor, or with its bounds for brackets.
 
-    The case that governs is red; those without a load factor say why.
+    Bars of brackets end at the lower bound, with a line to the upper one. The governing case is
+    red; cases without a load factor state the reason.
     """
     table = cases.table
     figure = Figure(figsize=(_WIDTH, _REST + _ROW * len(table)), layout="constrained")
@@ -171,11 +172,11 @@ def plot_load_cases(cases: LoadCases) -> Figure:
 
 
 def plot_stable(found: Stable, units: Units | None = None) -> Figure:
-    """What carries the dead loads, or the mechanism by which they fall.
+    """Plot the stresses that carry the dead loads, or the mechanism of collapse under them.
 
     Args:
-        found: the answer.
-        units: as of `plot_mechanism`.
+        found: the result.
+        units: see `plot_mechanism`.
 
     Raises:
         ValueError: neither is proven.
@@ -191,10 +192,10 @@ def plot_stable(found: Stable, units: Units | None = None) -> Figure:
 
 
 def plot_sensitivity(found: Sensitivity) -> Figure:
-    """By how many per cent the load factor changes with one per cent of each parameter.
+    """Plot the per cent of change of the load factor per one per cent of each parameter.
 
-    Those that matter most first. Where mechanisms are not unique both one-sided values are drawn: a
-    change to more is the full bar, one to less the hollow one.
+    The most important parameters are first. If mechanisms are not unique, both one-sided values are
+    drawn: the full bar for an increase, the hollow one for a decrease.
     """
     table = found.table.dropna(subset="elasticity").head(_MOST_PARAMETERS)
     figure = Figure(
@@ -241,9 +242,10 @@ def plot_sensitivity(found: Sensitivity) -> Figure:
 
 
 def plot_envelope(found: Envelope) -> Figure:
-    """Inner and outer polygon, with the points and directions that they come from.
+    """Plot the inner and outer polygon, with their points and directions.
 
-    Of three components the shadows of both bodies on each pair of axes. Of Coulomb states points.
+    For three components the projections of both sets on each pair of axes are drawn; for Coulomb
+    states the points.
     """
     pairs = list(combinations(range(len(found.names)), 2))
     size = _SURFACE if len(pairs) == 1 else (_SURFACES[0] * len(pairs), _SURFACES[1])

@@ -1,4 +1,4 @@
-"""Paths as moving pictures: the bodies as they deform, and the load as it comes."""
+"""Animations of paths: the deforming bodies, and the load."""
 
 import os
 from pathlib import Path as File
@@ -9,22 +9,22 @@ from lacore.paths.path import Path
 from lacore.pictures.path import draw_bodies, draw_load, page, strain_scale
 from lacore.reporting.errors import InputError, require_positive
 
-_HOLD = 1.0  # s: the last picture stays
+_HOLD = 1.0  # s, duration of the last picture
 
 
 def animate_path(
     path: Path, place: str | os.PathLike[str], fps: float = 8.0, dpi: float = 90.0
 ) -> None:
-    """A GIF or MP4 of a path, a picture a snapshot; see `lacore.pictures.path.plot_path`.
+    """Write a GIF or MP4 of a path, one picture per snapshot; see `lacore.pictures.path.plot_path`.
 
     Args:
-        path: with at least one step.
-        place: of the file: .gif, or .mp4 where the program ffmpeg is installed.
-        fps: snapshots a second.
-        dpi: pixels an inch; a picture is about ten inches wide.
+        path: path with at least one step.
+        place: path of the file: .gif, or .mp4 if the program ffmpeg is installed.
+        fps: snapshots per second.
+        dpi: pixels per inch; a picture is about ten inches wide.
 
     Raises:
-        InputError: another ending, ffmpeg is missing, a file that cannot be written, a path
+        InputError: another ending, ffmpeg is missing, a file that cannot be written, or a path
             without steps.
     """
     require_positive("fps", fps)
@@ -38,7 +38,7 @@ def animate_path(
     draw_bodies(bodies, path, path.snapshots[-1], scale)
     draw_load(load, path)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # nothing jumps from picture to picture
+    figure.set_layout_engine("none")  # The layout is fixed, so that nothing jumps between pictures.
     try:
         with writer.saving(figure, str(file), dpi):
             for snapshot in path.snapshots:

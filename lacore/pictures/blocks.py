@@ -13,22 +13,22 @@ from lacore.pictures.continua import BEFORE
 
 FIXED = "#9a9a9a"
 _FACE = "#ece7dc"
-_AT_REST = 1e-3  # of the largest velocity
-_MANY = 150  # blocks, that thin lines keep apart
+_AT_REST = 1e-3  # by the largest velocity
+_MANY = 150  # number of blocks from which lines are thin
 
 
 def held_blocks(state: LimitState, dofs: RigidDofs[RigidBlocks]) -> Bools:
-    """Which blocks supports leave no velocity, shape (blocks,)."""
+    """Return which blocks have no velocity because of supports, shape (blocks,)."""
     basis = state.discretisation.free_basis[dofs.offset : dofs.offset + dofs.of_blocks]
     largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, dofs.per_block)
     return np.asarray(~np.any(largest > 0, axis=1))
 
 
 def draw_blocks(axes: Axes, state: LimitState, stretch: float, fastest: float) -> None:
-    """Blocks displaced by `stretch` (s) times their velocity, dashed where they were.
+    """Draw blocks displaced by `stretch` (s) times their velocity, with dashed original outlines.
 
-    Displacements are linear in the rotation, so that contact that is kept looks kept; blocks grow
-    by half the square of their rotation for it.
+    Displacements are linear in the rotation, so that closed contact looks closed; blocks grow by
+    half the square of their rotation.
     """
     for name, dofs in state.discretisation.assemblies.items():
         held, edges = held_blocks(state, dofs), dofs.body.edges
@@ -41,12 +41,12 @@ def draw_blocks(axes: Axes, state: LimitState, stretch: float, fastest: float) -
 
 
 def outlines(dofs: RigidDofs[BlockAssembly], vertices: Floats) -> list[Floats]:
-    """Polygons (k, 2) of all blocks from the starts of their edges."""
+    """Return the polygons (k, 2) of all blocks from the starts of their edges."""
     return np.split(vertices.T, np.flatnonzero(np.diff(dofs.body.edges.block)) + 1)
 
 
 def fill_blocks(axes: Axes, polygons: list[Floats], held: Bools, zorder: float) -> None:
-    """Polygons (k, 2) of blocks, those that supports hold dark and hatched."""
+    """Draw polygons (k, 2) of blocks, with held ones dark and hatched."""
     thin = 0.9 if held.size < _MANY else 0.4
     free = [polygon for polygon, fixed in zip(polygons, held, strict=True) if not fixed]
     fixed = [polygon for polygon, fixed in zip(polygons, held, strict=True) if fixed]

@@ -1,4 +1,4 @@
-"""Pictures of brackets: where the gap is, on the mesh that was made for it."""
+"""Pictures of brackets: the gap on the refined mesh."""
 
 import matplotlib
 import numpy as np
@@ -23,16 +23,16 @@ from lacore.reporting.units import Units
 
 _SI = Units()
 _PAGE = 9.0  # inches
-_DECADES = 3.0  # of shares that the colours span
-_WIDE = 0.7  # height over width: below it pictures stand above each other
-_LINES = 2000  # elements: above it the lines of the mesh are thinner
+_DECADES = 3.0  # decades of shares in the colour scale
+_WIDE = 0.7  # height over width below which pictures are stacked
+_LINES = 2000  # number of elements above which the lines of the mesh are thinner
 
 
 def plot_bracket(bracket: Bracket, units: Units = _SI) -> Figure:
-    """Shares of elements in the gap (T26) on the mesh of the upper bound; those of the lower one.
+    """Plot the shares of elements in the gap (T26) on the mesh of the upper bound.
 
-    The shares of the lower bound's mesh are those that it was refined by (T26d), of their sum.
-    Lengths are told in `units`.
+    A second picture has the shares by which the mesh of the lower bound was refined (T26d), divided
+    by their sum. Lengths are in `units`.
     """
     above, below = bracket.upper_bound.discretisation, bracket.lower_bound
     return plot_shares(
@@ -53,15 +53,15 @@ def plot_shares(
     varying: Floats,
     units: Units = _SI,
 ) -> Figure:
-    """The same of meshes and shares that were kept.
+    """Plot given meshes and shares.
 
     Args:
         title: see `lacore.bounds.bracket.bracket.heading`.
         above: mesh of the upper bound.
         gap: shares of its elements in the gap.
         below: mesh of the lower bound.
-        varying: shares that it was refined by.
-        units: that lengths are told in.
+        varying: shares by which it was refined.
+        units: units of lengths.
     """
     extent = np.ptp(above.p, axis=1)
     aspect = float(extent[1] / extent[0])
@@ -84,7 +84,7 @@ def plot_shares(
 
 
 def parts(shares: Floats) -> tuple[Floats, LogNorm]:
-    """Shares in per cent, none too small for the colour scale, and that scale."""
+    """Return the shares in per cent, limited to the colour scale, and that scale."""
     part = 100 * np.maximum(shares, 0.0) / max(float(np.maximum(shares, 0.0).sum()), 1e-300)
     peak = max(float(part.max()), 1e-12)
     low = float(np.clip(part.min(), peak * 10**-_DECADES, peak / 2))
@@ -94,7 +94,7 @@ def parts(shares: Floats) -> tuple[Floats, LogNorm]:
 def _draw_in_space(
     figure: Figure, cell: SubplotSpec, mesh: MeshTet, shares: Floats, units: Units
 ) -> Axes3D:
-    """By the elements behind the faces that one sees."""
+    """Draw tetrahedra with the values of the elements behind the visible faces."""
     part, norm = parts(shares)
     axes = space(figure, cell, mesh.p.min(axis=1), mesh.p.max(axis=1), units)
     scale = ScalarMappable(norm, matplotlib.colormaps["YlOrRd"])

@@ -1,4 +1,4 @@
-"""Pictures of contact: what it does, on the mechanism, and its tractions in panels."""
+"""Pictures of contact: its state on the mechanism, and its tractions in panels."""
 
 from dataclasses import dataclass
 
@@ -16,24 +16,26 @@ from lacore.pictures.contact_segments import SegmentedContact
 from lacore.reporting.text import Reader, render
 from lacore.reporting.units import Units
 
-COLOURS = {  # legible to the colour-blind
+COLOURS = {  # distinguishable for colour-blind readers
     "stick": "#4d4d4d",
     "slip": "#0072b2",
     "open": "#e69f00",
     "crush": "#cc79a7",
 }
 GROUND = "#8a8a8a"
-PLANE_DEPTH = 0.03  # of plane obstacles, per size of the picture
-_SAME = 1e-6  # of the length of a contact, and of unit vectors
+PLANE_DEPTH = 0.03  # by the size of the picture: depth of plane obstacles
+_SAME = 1e-6  # by the length of a contact, and by unit vectors
 _TINY = np.finfo(float).tiny
-_ALONG = np.linspace(0.0, 1.0, 5)  # shares of a segment: edges of continua bend
+_ALONG = np.linspace(0.0, 1.0, 5)  # shares of a segment, as edges of continua bend
 
 
 def draw_strips(axes: Axes, contact: SegmentedContact, depth: float) -> None:
-    """A strip on the obstacle's side of a continuum, coloured by what the contact does.
+    """Draw a strip on the obstacle's side of a continuum, coloured by the state of contact.
 
     Args:
-        depth: of the strip, m.
+        axes: axes.
+        contact: the contact.
+        depth: depth of the strip, m.
     """
     strips = _strips(contact, depth)
     for kind, colour in COLOURS.items():
@@ -45,7 +47,7 @@ def draw_strips(axes: Axes, contact: SegmentedContact, depth: float) -> None:
 
 
 def draw_ground(axes: Axes, contact: SegmentedContact, depth: float) -> None:
-    """The obstacle under rigid blocks, hatched."""
+    """Draw the obstacle under rigid blocks, hatched."""
     strips = _strips(contact, depth)
     axes.add_collection(
         PolyCollection(
@@ -61,9 +63,11 @@ def draw_ground(axes: Axes, contact: SegmentedContact, depth: float) -> None:
 
 
 def draw_obstacle(axes: Axes, shape: Shape, low: Floats, high: Floats) -> None:
-    """The face of an obstacle across a box, hatched behind; the limits stay as they are.
+    """Draw the face of an obstacle across a box, hatched behind; limits are not changed.
 
     Args:
+        axes: axes.
+        shape: shape of the obstacle.
         low, high: corners of the box, m, shape (2,).
     """
     size = float(np.linalg.norm(high - low))
@@ -87,7 +91,7 @@ def draw_obstacle(axes: Axes, shape: Shape, low: Floats, high: Floats) -> None:
 
 
 def _strips(contact: SegmentedContact, depth: float) -> Floats:
-    """Corners of strips behind the contact, on the master's side, shape (k, 4, 2)."""
+    """Return the corners of strips behind the contact, on the master's side, shape (k, 4, 2)."""
     start, end, normal = contact.segments.start, contact.segments.end, contact.segments.normal
     corners = [start, end, end - depth * normal, start - depth * normal]
     return np.stack(corners).transpose(2, 0, 1)
@@ -96,11 +100,14 @@ def _strips(contact: SegmentedContact, depth: float) -> Floats:
 def draw_moved(
     axes: Axes, contact: SegmentedContact, state: LimitState, stretch: float, width: float
 ) -> None:
-    """Contact between displaced sides: lines where it is closed, filled gaps where it opens.
+    """Draw contact between displaced sides: lines if closed, filled gaps if open.
 
     Args:
-        stretch: s, times the velocity is the displacement.
-        width: of the lines, points.
+        axes: axes.
+        contact: the contact.
+        state: state of the contact.
+        stretch: displacement per velocity, s.
+        width: width of the lines, points.
     """
     slave, master = contact.moved(state, stretch, _ALONG)
     for order, (kind, colour) in enumerate(COLOURS.items()):
@@ -135,11 +142,11 @@ class _Profile:
     """Contact along one interface, edge by edge, in the direction of growing x (y, if vertical).
 
     Attributes:
-        axis: what `arc` is, for the label.
-        arc: place of the ends of the edges along the interface, m, shape (edges + 1,); between
-            parts of it stands an edge where all is NaN.
-        t_n, t_t: mean tractions on the slave, Pa; t_t along the interface as drawn.
-        u_n, u_t: mean relative velocities, m/s; u_t along the interface as drawn.
+        axis: label for `arc`.
+        arc: place of the ends of the edges along the interface, m, shape (edges + 1,); an edge with
+            NaN separates parts of it.
+        t_n, t_t: mean tractions on the slave, Pa; t_t along the drawn interface.
+        u_n, u_t: mean relative velocities, m/s; u_t along the drawn interface.
     """
 
     axis: str
@@ -152,7 +159,7 @@ class _Profile:
 
 def _profile(contact: SegmentedContact) -> _Profile:
     start, end, tangent = contact.segments.start, contact.segments.end, contact.tangent
-    # As one reads: from left to right, or upwards; along a curve, from its first edge on.
+    # From left to right, or upwards; along a curve, from its first edge on.
     lead = tangent[:, 0]
     sign = 1.0 if lead[np.argmax(np.abs(lead))] > 0 else -1.0
     lead, tangent = sign * lead, sign * tangent
@@ -164,7 +171,7 @@ def _profile(contact: SegmentedContact) -> _Profile:
     lengths = np.maximum(np.linalg.norm(end - start, axis=0), _TINY)[order]
     length = np.add.reduceat(lengths, first)
 
-    # Parts of a plane between edges that touch it.
+    # parts of a plane between edges that touch it
     last = np.append(first[1:], order.size) - 1
     hole = (lead @ start)[order][first[1:]] - (lead @ end)[order][last[:-1]]
     plane = np.ptp(tangent, axis=1).max() < _SAME
@@ -190,11 +197,13 @@ def _profile(contact: SegmentedContact) -> _Profile:
 def draw_panel(
     figure: Figure, cell: SubplotSpec, contact: SegmentedContact, fastest: float, units: Units
 ) -> None:
-    """Reactions and relative velocities along one interface, means over its edges as steps.
+    """Draw reactions and relative velocities along one interface, as means over its edges.
 
     Args:
-        fastest: largest velocity, m/s: the unit of the velocities shown.
-        units: that tractions and places are told in.
+        figure, cell: figure, and place of the panel.
+        contact: the contact.
+        fastest: largest velocity, m/s, the unit of the drawn velocities.
+        units: units of tractions and lengths.
     """
     profile = _profile(contact)
     arc, named = profile.arc / units.size("m"), render(contact.name, Reader(units))
@@ -217,7 +226,7 @@ def draw_panel(
                 ("$u_n$ opening", profile.u_n / fastest, "#e69f00"),
             ),
             "velocity / largest velocity",
-            0.05,  # round-off must not fill the panel
+            0.05,  # Round-off must not fill the panel.
         ),
     ):
         axes.axhline(0, color="#bbbbbb", lw=0.8)

@@ -1,4 +1,4 @@
-"""Contact read segment by segment, for pictures: mean tractions, mean velocities, both sides."""
+"""Contact by segments, for pictures: mean tractions and velocities, and both sides."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ from lacore.model.contact.rows import moving_sides
 from lacore.model.contact.segments import Segments
 from lacore.numerics.arrays import Floats, Ints
 
-_MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
-_SAME = 1e-6  # of the extent of all contact, and of unit normals
+_MOVES = 1e-3  # by the largest velocity: visible slip or opening
+_SAME = 1e-6  # by the extent of all contact, and by unit normals
 
 
 @dataclass(frozen=True)
@@ -26,14 +26,14 @@ class SegmentedContact:
     """One interface, or all joints of an assembly, on its k straight segments.
 
     Attributes:
-        name: of the interface, or of the assembly.
-        segments: where they are; the edges of joints are -1.
-        sides: what touches there, slave first, with the parts that `Dofs.velocity_rows` asks for;
-            an obstacle is no side.
+        name: name of the interface, or of the assembly.
+        segments: the segments; the edges of joints are -1.
+        sides: unknowns of slave and master with the parts for `Dofs.velocity_rows`; obstacles are
+            not included.
         t_n, t_t: mean tractions on the slave, Pa, shape (k,); `t_t` along `tangent`.
         u_n, u_t: mean relative velocities of the slave, m/s, shape (k,).
-        kind: ``stick``, ``slip`` or ``open``, shape (k,); along a path edges of which a part is
-            away are open.
+        kind: ``stick``, ``slip`` or ``open``, shape (k,); along a path edges that are partly away
+            are open.
     """
 
     name: str
@@ -52,7 +52,7 @@ class SegmentedContact:
 
     @property
     def length(self) -> float:
-        """Of all segments, m."""
+        """Length of all segments, m."""
         along = self.segments.end - self.segments.start
         return float(np.linalg.norm(along, axis=0).sum())
 
@@ -68,7 +68,7 @@ class SegmentedContact:
 
     @property
     def coarse_edges(self) -> Ints:
-        """For each segment the edge it is part of, on the continuum with fewer edges there.
+        """Edge of each segment, on the continuum with fewer edges there.
 
         Tractions oscillate between the segments of two meshes; their means over an edge do not.
         """
@@ -79,9 +79,9 @@ class SegmentedContact:
         return min(meshed or edges[:1], key=lambda own: np.unique(own).size)
 
     def moved(self, state: LimitState, stretch: float, along: Floats) -> list[Floats]:
-        """Points at shares `along` of the segments, displaced with each side, (k, points, 2).
+        """Return the points at shares `along` of the segments, displaced with each side.
 
-        An obstacle does not move. `stretch` is in s.
+        The shape is (k, points, 2). An obstacle does not move. `stretch` is in s.
         """
         curves = segment_curves(self.segments, self.sides)
         points = np.stack([curves.at(share) for share in along], axis=2)
@@ -98,11 +98,11 @@ class SegmentedContact:
 def segmented_contacts(
     state: LimitState, fastest: float
 ) -> tuple[list[SegmentedContact], list[SegmentedContact]]:
-    """Interfaces, in their order, and joints, one entry an assembly that has any.
+    """Return interfaces, in their order, and joints, one entry per assembly with joints.
 
     Args:
         state: a state with a point.
-        fastest: largest velocity, m/s; slip and opening are told from rest against it.
+        fastest: largest velocity, m/s, the scale for visible slip and opening.
     """
     d = state.discretisation
     dofs: dict[str, Dofs] = {**d.continua, **d.assemblies, **d.frames}
@@ -141,7 +141,7 @@ class RigidSide:
 
     Attributes:
         side: 0 where the blocks are slaves, 1 where they are masters.
-        dofs: of the assembly.
+        dofs: unknowns of the assembly.
         points, blocks: contact points, and the block of `dofs` at each, shape (k,).
     """
 
@@ -152,7 +152,7 @@ class RigidSide:
 
 
 def rigid_sides(d: Discretisation) -> Iterator[RigidSide]:
-    """All sides of contact points that are rigid blocks."""
+    """Yield the sides of contact points that are rigid blocks."""
     rows, first = d.full.contact, len(d.problem.interfaces)
     for name, dofs in d.assemblies.items():
         joints = dofs.body.joints
@@ -167,7 +167,7 @@ def rigid_sides(d: Discretisation) -> Iterator[RigidSide]:
                     continue
                 points = np.flatnonzero(rows.interface == index)
                 columns = rows.normal[points][:, dofs.offset : dofs.offset + dofs.count]
-                # A normal velocity feels u_x or u_y of its block, and no other block.
+                # A normal velocity depends on u_x or u_y of its block, and on no other block.
                 blocks = columns.indices[columns.indptr[:-1]].astype(np.int64) // 3
                 yield RigidSide(side, dofs, points, blocks)
 
@@ -180,15 +180,16 @@ def _read(
     rows: Ints,
     fastest: float,
 ) -> SegmentedContact:
-    """Means over the contact points of segments, `rows` of shape (copies, k)."""
+    """Return the means over the contact points of segments, `rows` of shape (copies, k)."""
     table, found = state.reactions, rows >= 0
     count = np.maximum(found.sum(axis=0), 1)
 
     def total(column: str) -> Floats:
-        values = np.append(table[column].to_numpy(), 0.0)  # the last one: no point
+        # The last one is for segments without a point.
+        values = np.append(table[column].to_numpy(), 0.0)
         return np.asarray(values[rows].sum(axis=0))
 
-    # A point that supports hold is no contact point: it is at rest, and its reaction unknown.
+    # A point held by supports is not a contact point: it is at rest, and its reaction unknown.
     u_n, u_t = total("u_n") / len(rows), total("u_t") / len(rows)
     lead = np.append(state.discretisation.full.contact.lead, 0.0)
     parting = u_n + lead[rows].mean(axis=0)
@@ -208,9 +209,9 @@ def _read(
 def _approaching(
     state: LimitState, index: int, obstacle: Obstacle, fastest: float
 ) -> SegmentedContact:
-    """Along a path: edges of which a point touches the plane or comes to it within the step.
+    """Return contact along a path: edges with a point that touches the plane within the step.
 
-    The segments are where the edges stand on the plane; one that is still upright has no length.
+    The segments are the edges projected onto the plane; one that is still upright has no length.
     """
     d, table = state.discretisation, state.reactions
     dofs, facets = d.continua[obstacle.body], obstacle.facets
@@ -244,10 +245,10 @@ def _control_points(
     sides: Sequence[tuple[Dofs, Ints]],
     number: Ints,
 ) -> Ints:
-    """Contact points of segments, (copies, k): both ends, and the middle of quadratic jumps.
+    """Return the contact points of segments, (copies, k): ends, and middles of quadratic jumps.
 
-    A node of a frame is one.
-    -1 where a support holds the point. The mean over the copies is that of the field (T28).
+    A node of a frame is one point. The value is -1 if a support holds the point. The mean over the
+    copies is that of the field (T28).
     """
     start, end = segments.start, segments.end
     size = float(np.ptp(np.concatenate([start, end], axis=1), axis=1).max()) or 1.0
@@ -265,6 +266,6 @@ def _control_points(
 
 
 def _velocity(state: LimitState, dofs: Dofs, parts: Ints, points: Floats) -> Floats:
-    """Velocity of parts of a body at points of shape (2, k), m/s, shape (2, k)."""
+    """Return the velocity of parts of a body at points of shape (2, k), m/s, shape (2, k)."""
     u = state.point.velocity if state.point is not None else np.zeros(0)
     return np.stack([rows @ u for rows in dofs.velocity_rows(parts, points, u.size)])

@@ -16,11 +16,11 @@ from lacore.pictures.axis import colour_bar, has_axis, superscript
 from lacore.reporting.units import Units
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
-"""How outlines before collapse are drawn."""
-RIGID = "#f3f3f0"  # where nothing is dissipated
-_DECADES = 3.0  # of dissipation density that the colours span
-_RIGID_SHARE = 1e-5  # of all power: below it the bodies move rigidly
-_SIDES = 6  # chords drawn for each curved edge of a deformed element
+"""Style of outlines before collapse."""
+RIGID = "#f3f3f0"  # colour without dissipation
+_DECADES = 3.0  # decades of dissipation density in the colour scale
+_RIGID_SHARE = 1e-5  # by all power: smaller dissipation counts as rigid motion
+_SIDES = 6  # number of chords for each curved edge of a deformed element
 
 
 def draw_continua(
@@ -29,7 +29,7 @@ def draw_continua(
     """Draw continua displaced by `stretch` (s) times their velocity.
 
     Args:
-        axes: What to draw on.
+        axes: Axes.
         state: Any state with a point.
         stretch: Displacement per velocity, s.
         units: Units of the dissipation density.
@@ -74,23 +74,23 @@ def draw_colour_bar(axes: Axes, faces: PolyCollection, state: LimitState, units:
 
 
 def _power(state: LimitState) -> int:
-    """Dimension of the volume that dissipation densities refer to."""
+    """Return the dimension of the volume of dissipation densities."""
     return 3 if has_axis(state.discretisation.problem.bodies.values()) else 2
 
 
 def boundary_lines(body: BodyDofs) -> list[Floats]:
-    """Edges of the boundary before collapse, each of shape (points, 2)."""
+    """Return the edges of the boundary before collapse, each of shape (points, 2)."""
     return edge_lines(body.body.mesh, body.body.mesh.boundary_facets())
 
 
 def _edge_curve(places: Floats) -> Floats:
-    """Points on edges through nodes of shape (2, nodes, edges): (_SIDES + 1, edges, 2)."""
+    """Return the points on edges through nodes (2, nodes, edges): (_SIDES + 1, edges, 2)."""
     shape = edge_shapes(np.linspace(0, 1, _SIDES + 1), places.shape[1] - 1)
     return np.asarray(np.einsum("sn,xne->sex", shape, places))
 
 
 def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
-    """Scale of the densities; None where what there is of dissipation is round-off."""
+    """Return the scale of the densities; None if the dissipation is round-off."""
     point, program = state.point, state.program
     assert point is not None
     slip, weights = program.contact.slip(point.velocity), program.contact.weights
@@ -104,7 +104,7 @@ def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
 
 
 def _deformed(body: BodyDofs, velocity: Floats, stretch: float) -> tuple[Floats, Floats]:
-    """Boundary edges and element outlines of the deformed mesh, as polylines."""
+    """Return the boundary edges and element outlines of the deformed mesh, as polylines."""
     mesh = body.body.mesh
     moved = body.nodes + stretch * velocity
     corners = len(mesh.t)

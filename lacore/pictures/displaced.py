@@ -28,12 +28,12 @@ from lacore.pictures.continua import draw_continua
 from lacore.pictures.frames import draw_foot, draw_frames, turning
 from lacore.reporting.units import Units
 
-_STRETCH = 0.08  # largest displacement drawn, per size of the structure
-_TURN = 0.3  # largest rotation drawn, rad: blocks grow by half its square
-_STRIP = 0.018  # depth of strips behind contact, per size of the structure
-_GROUND = 0.03  # the same of obstacles under blocks
-_NEAR = 0.1  # of the picture: distance up to which a plane is drawn
-_LINE = 0.07  # of the side of a block: width of contact lines
+_STRETCH = 0.08  # largest drawn displacement, by the size of the structure
+_TURN = 0.3  # largest drawn rotation, rad: blocks grow by half its square
+_STRIP = 0.018  # depth of strips behind contact, by the size of the structure
+_GROUND = 0.03  # the same for obstacles under blocks
+_NEAR = 0.1  # by the picture: distance up to which a plane is drawn
+_LINE = 0.07  # by the side of a block: width of contact lines
 _TINY = np.finfo(float).tiny
 
 
@@ -68,13 +68,13 @@ class Displacement:
 
 
 def displacement_of(state: LimitState) -> Displacement:
-    """Choose the displacements that a picture of a state shows."""
+    """Choose the displacements in the picture of a state."""
     places, velocities = _outline(state)
     size = float(np.linalg.norm(np.ptp(places, axis=1)))
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0
     stretch = min(_STRETCH * size / fastest, _TURN / max(_spin(state), _TINY))
     extent = np.ptp(np.concatenate([places, places + stretch * velocities], axis=1), axis=1)
-    extent = np.maximum(extent, _STRETCH * size)  # a single beam has no height
+    extent = np.maximum(extent, _STRETCH * size)  # A single beam has no height.
     return Displacement(state, size, extent, fastest, stretch, *segmented_contacts(state, fastest))
 
 
@@ -84,10 +84,10 @@ def draw_displaced(
     """Draw the mechanism, without a frame around it.
 
     Args:
-        axes: What to draw on.
+        axes: Axes.
         shown: The state and its displacements.
         units: Units of the dissipation density.
-        points: Scale of the picture, points a metre.
+        points: Scale of the picture, points per metre.
         edges: Width of the lines between elements, points; 0 draws none.
 
     Returns:
@@ -122,7 +122,7 @@ def draw_ground_below(axes: Axes, shown: Displacement) -> None:
 
 
 def _draw_obstacles(axes: Axes, state: LimitState) -> list[Artist]:
-    """Of a state of a path the obstacles that bodies touch or are near to."""
+    """Draw the obstacles of a path that bodies touch, or nearly touch."""
     points, number = state.discretisation.points, state.discretisation.full.contact.interface
     low, high = np.min(axes.dataLim.get_points(), axis=0), np.max(axes.dataLim.get_points(), axis=0)
     size = float(np.linalg.norm(high - low))
@@ -146,7 +146,10 @@ def _obstacle_handle() -> Patch:
 
 
 def _outline(state: LimitState) -> tuple[Floats, Floats]:
-    """Points that bound the structure, m, and their velocities, m/s, shape (2, n) each."""
+    """Return the points that bound the structure, m, and their velocities, m/s.
+
+    The shape is (2, n), for each.
+    """
     d, velocity = state.discretisation, state.velocity
     places = [dofs.nodes for dofs in d.continua.values()]
     places += [dofs.body.edges.start for dofs in d.assemblies.values()]
@@ -161,7 +164,7 @@ def _outline(state: LimitState) -> tuple[Floats, Floats]:
 
 
 def _spin(state: LimitState) -> float:
-    """Largest rate of rotation of a block or a member, rad/s."""
+    """Return the largest rate of rotation of a block or a member, rad/s."""
     d, velocity = state.discretisation, state.velocity
     rates = [velocity[name][2] for name in d.assemblies]
     rates += [turning(dofs, velocity[name]) for name, dofs in d.frames.items()]
@@ -169,7 +172,7 @@ def _spin(state: LimitState) -> float:
 
 
 def _handles(shown: Displacement) -> list[Artist]:
-    """Legend of the mechanism: what is there, and no more."""
+    """Return the legend of the mechanism, with entries for its contents only."""
     contacts = [*shown.interfaces, *shown.joints]
     handles: list[Artist] = [
         Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="before collapse")

@@ -20,27 +20,29 @@ from lacore.reporting.units import Units
 
 THRUST = "#b2182b"
 LOAD = "#0f7b3f"
-_FAINTEST = 1e-3  # of the largest force: lines of thrust below it would not be seen
-_LEFT_OUT = 0.1  # of the sum of all forces: the smallest of many, which hide what bears the load
+_FAINTEST = 1e-3  # by the largest force: smaller lines of thrust are invisible
+_LEFT_OUT = 0.1  # share of the sum of all forces: the smallest ones, which would hide the others
 _FAINT = "#e9b7ad"
-_SHORTEST = 0.3  # of the radius of the smaller block
-_ROUND_OFF = 1e-6  # of the largest load: solvers leave such forces where there are none
-_FEW = 10  # arrows that have room to be thick
-_MANY = 150  # arrows a reader tells apart
-_PART = 0.06  # of the size of a frame: of a load along a member that one arrow stands for
-_OF_FRAMES = 0.16  # of the size of a frame: length of the longest arrow
+_SHORTEST = 0.3  # by the radius of the smaller block
+_ROUND_OFF = 1e-6  # by the largest load: solvers leave such forces in place of zeros
+_FEW = 10  # number of arrows that may be thick
+_MANY = 150  # number of arrows that a reader can distinguish
+_PART = 0.06  # by the size of a frame: length of a member load for one arrow
+_OF_FRAMES = 0.16  # by the size of a frame: length of the longest arrow
 
 
 def draw_forces(axes: Axes, state: LimitState, thickest: float, units: Units) -> list[Line2D]:
-    """The structure before collapse with its loads, and the forces that its contacts carry.
+    """Draw the structure before collapse with its loads, and its contact forces.
 
     A line of thrust passes through the centre of pressure of each joint in the direction of its
-    force, and ends in both blocks where it comes closest to their centroids, and at what is fixed;
-    its width is the force. Contacts between continua are left out: their panels show them.
+    force, and ends in both blocks where it is closest to their centroids, and at fixed parts; its
+    width is the force. Contacts between continua are left out, as their panels show them.
 
     Args:
+        axes: axes.
+        state: the state.
         thickest: width of the line of the largest force, points.
-        units: that sizes are told in.
+        units: units of the forces.
 
     Returns:
         handles of a legend.
@@ -65,11 +67,11 @@ def draw_forces(axes: Axes, state: LimitState, thickest: float, units: Units) ->
 def _draw_thrust(
     axes: Axes, forces: "ContactForces", size: Floats, thickest: float, units: Units
 ) -> Line2D:
-    """Lines of thrust, as wide as the force, and the entry of a legend.
+    """Draw lines of thrust with the width of the force, and return the entry of a legend.
 
-    Between many blocks the small forces are most in number, and hide those that bear the load: the
-    smallest, which come to a share of the sum of all, are left out, and the others darker the
-    larger they are, so that bundles of them are seen.
+    Between many blocks most forces are small, and would hide the important ones: the smallest, up
+    to a share of the sum of all, are left out, and larger ones are darker, which makes bundles
+    visible.
     """
     peak, told = float(size.max()), ""
     order = np.flatnonzero(size > _FAINTEST * peak)
@@ -96,13 +98,13 @@ def _draw_thrust(
 
 @dataclass(frozen=True)
 class ContactForces:
-    """Resultants of the contact between each two blocks, or a block and anything else.
+    """Contact resultants between two blocks, or a block and anything else.
 
     Attributes:
-        force: on the slave, N/m, shape (2, k).
-        centre: of pressure, m, shape (2, k).
-        lines: from the centre into the slave, and into the master: (2, ends, k) each; of no
-            length into what is no block, or a fixed one.
+        force: force on the slave, N/m, shape (2, k).
+        centre: centre of pressure, m, shape (2, k).
+        lines: lines from the centre into the slave, and into the master, (2, ends, k) each; of zero
+            length for fixed blocks and other bodies.
     """
 
     force: Floats
@@ -111,7 +113,7 @@ class ContactForces:
 
 
 def contact_forces(state: LimitState) -> ContactForces:
-    """Resultant force of each joint, at its centre of pressure."""
+    """Return the resultant force of each joint, at its centre of pressure."""
     d, table = state.discretisation, state.reactions
     m = d.full.contact.count
     blocks = np.full((2, m), -1)
@@ -138,7 +140,7 @@ def contact_forces(state: LimitState) -> ContactForces:
     tangent = np.stack([-normal[1], normal[0]])
     force = total(length * (t_n * normal + t_t * tangent))
     pressed = total((length * t_n)[None])[0]
-    # Without pressure, or with tension, too, the middle of the joint has to do.
+    # Without pressure, or with tension, the middle of the joint is used.
     torn = np.bincount(group, t_n < 0, k) > 0
     weight = np.where(((pressed > 0) & ~torn)[group], length * t_n, length)
     centre = total(weight * place) / total(weight[None])
@@ -151,7 +153,7 @@ def contact_forces(state: LimitState) -> ContactForces:
 def _thrust(
     force: Floats, centre: Floats, centroids: tuple[Floats, Floats], reach: Floats
 ) -> tuple[Floats, Floats]:
-    """Lines from the centres of pressure into the slaves and masters, (2, ends, k) each."""
+    """Return the lines from the centres of pressure into slaves and masters, (2, ends, k) each."""
     size = np.linalg.norm(force, axis=0)
     along = np.divide(force, size, out=np.zeros_like(force), where=size > 0)
     lines = []
@@ -163,7 +165,7 @@ def _thrust(
 
 
 def _largest_load(state: LimitState) -> float:
-    """Largest single force of reference loads times the load factor, and of dead loads, N/m."""
+    """Return the largest single force of scaled reference loads, and of dead loads, N/m."""
     point, program = state.point, state.discretisation.full
     assert point is not None
     live = abs(point.load_factor) * float(np.abs(program.reference_load).max())
@@ -171,7 +173,7 @@ def _largest_load(state: LimitState) -> float:
 
 
 def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
-    """What drives it: an arrow a block where forces can be told apart, else their resultant."""
+    """Draw the reference loads: one arrow per block if they are few, else their resultant."""
     vectors, places, sizes = [], [], []
     for force, place, size in _loads(state):
         vectors.append(force)
@@ -180,7 +182,7 @@ def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
     force, place = np.concatenate(vectors, axis=1), np.concatenate(places, axis=1)
     size = np.linalg.norm(force, axis=0)
     loaded = size > _FAINTEST * size.max(initial=0.0)
-    if not loaded.any():  # moments, pressures in balance
+    if not loaded.any():  # moments, or balanced pressures
         return []
     force, place, size = force[:, loaded], place[:, loaded], size[loaded]
     reach = np.concatenate(sizes)[loaded].mean()
@@ -196,7 +198,7 @@ def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
 
 
 def _draw_arrows(axes: Axes, place: Floats, arrow: Floats, colour: str) -> None:
-    """Arrows (2, k) that end at places (2, k), m."""
+    """Draw arrows (2, k) that end at places (2, k), m."""
     axes.quiver(
         *place,
         *arrow,
@@ -213,7 +215,7 @@ def _draw_arrows(axes: Axes, place: Floats, arrow: Floats, colour: str) -> None:
 
 
 def _draw_feet(axes: Axes, state: LimitState, units: Units) -> list[Line2D]:
-    """Contact forces on the nodes of frames, as arrows that end there."""
+    """Draw contact forces on the nodes of frames, as arrows that end there."""
     d, table = state.discretisation, state.reactions
     places, forces, lengths = [], [], []
     for index, interface in enumerate(d.problem.interfaces):
@@ -238,7 +240,7 @@ def _draw_feet(axes: Axes, state: LimitState, units: Units) -> list[Line2D]:
 
 
 def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Forces (2, k) on blocks, continua and nodes, points on their lines (2, k), sizes (k,)."""
+    """Yield forces (2, k) on blocks, continua and nodes, points on their lines, and sizes."""
     d = state.discretisation
     alone = _dead_alone(state)
     load = d.full.dead_load - d.full.held_shut if alone else d.full.reference_load
@@ -268,7 +270,7 @@ def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
 
 
 def _along_members(frame: FrameDofs, load: Floats) -> tuple[Floats, Floats]:
-    """Loads along members, N/m per m, (2, P), as forces of short parts, and where they act."""
+    """Return loads along members, N/m per m, (2, P), as forces of short parts, and their places."""
     pieces, size = frame.body.pieces, frame.body.size
     parts = np.ceil(pieces.length / (_PART * size)).astype(np.int64) * load.any(axis=0)
     piece: Ints = np.repeat(np.arange(parts.size), parts)
@@ -281,7 +283,7 @@ def _along_members(frame: FrameDofs, load: Floats) -> tuple[Floats, Floats]:
 
 
 def _dead_alone(state: LimitState) -> bool:
-    """Whether the dead loads act alone: they fall, or what carries them is shown."""
+    """Return whether the dead loads act alone, in collapse or with the stresses that carry them."""
     return state.status is Status.UNSAFE or (
         state.load_factor == 0 and bool(np.any(state.discretisation.full.dead_load))
     )

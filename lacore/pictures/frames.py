@@ -26,19 +26,19 @@ from lacore.reporting.units import Units
 HINGE = "#b2182b"
 MOMENT = "#5e3c99"
 BAR = {1: ("#2166ac", "tension"), -1: ("#b2182b", "compression")}
-_WIDEST = 3.5  # points: of a bar
+_WIDEST = 3.5  # points: width of a bar
 _MEMBER = "#333333"
-_TURNS = 1e-3  # of the largest velocity over the size: what the eye would see
-_BESIDE = 0.03  # from a node to the hinges of its members, per size of the frame
-_ORDINATE = 0.12  # of the largest moment, per size of the frame
-_SAMPLES = 33  # of a curved diagram
-_FOOT = 0.035  # half the length of the ground under a foot, per size of the frame
+_TURNS = 1e-3  # by the largest velocity over the size: visible rotation
+_BESIDE = 0.03  # by the size of the frame: distance of hinges from a node
+_ORDINATE = 0.12  # ordinate of the largest moment, by the size of the frame
+_SAMPLES = 33  # number of points of a curved diagram
+_FOOT = 0.035  # half the length of the ground under a foot, by the size of the frame
 _SENSES = {1: "hinge, anticlockwise", -1: "hinge, clockwise"}
 _SUPPORTS = {"clamped": "s", "xy": "^", "x": ">", "y": "^", "rotation": "D"}
 
 
 def turning(dofs: FrameDofs, motion: Floats) -> Floats:
-    """Rates of rotation of the rigid pieces, rad/s anticlockwise, shape (P,)."""
+    """Return the rates of rotation of the rigid pieces, rad/s anticlockwise, shape (P,)."""
     pieces = dofs.body.pieces
     across = np.stack([-pieces.along[1], pieces.along[0]])
     jump = motion[:2, pieces.end] - motion[:2, pieces.start]
@@ -46,7 +46,7 @@ def turning(dofs: FrameDofs, motion: Floats) -> Floats:
 
 
 def _turn_mark(sense: int) -> Path:
-    """An arc with an arrow head around the origin, of radius 1; +1 anticlockwise."""
+    """Return an arc with an arrow head around the origin, of radius 1; +1 anticlockwise."""
     angle = np.radians(np.linspace(-60, 210, 28))
     arc = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     tip, back = np.array([-arc[-1, 1], arc[-1, 0]]), arc[-1]
@@ -56,11 +56,11 @@ def _turn_mark(sense: int) -> Path:
 
 
 def draw_frames(axes: Axes, state: LimitState, stretch: float, fastest: float) -> list[Artist]:
-    """Frames displaced by `stretch` (s) times their velocity, with the hinges that turn.
+    """Draw frames displaced by `stretch` (s) times their velocity, with the turning hinges.
 
-    Of two members that meet at a node one hinge is drawn, on the one that turns more against the
-    node; its sense is that of this member against the other. Of more members each has its own,
-    against the node.
+    If two members meet at a node, one hinge is drawn, on the one that turns more against the node;
+    its sense is that of this member against the other. With more members, each has a hinge against
+    the node.
 
     Returns:
         handles of a legend.
@@ -99,7 +99,7 @@ def draw_frames(axes: Axes, state: LimitState, stretch: float, fastest: float) -
 def _draw_yielding_bars(
     axes: Axes, state: LimitState, name: str, moved: Floats
 ) -> Iterator[tuple[str, Artist]]:
-    """Bars that get longer or shorter, and their entries of a legend."""
+    """Draw the bars that change their length, and yield their entries of a legend."""
     dofs = state.discretisation.frames[name]
     piece, side = dofs.modes.ends
     if not (side == WHOLE).any():
@@ -119,22 +119,24 @@ def _draw_yielding_bars(
 
 
 def _lines(frame: Frame, places: Floats) -> list[Floats]:
-    """Pieces as lines (2, 2) between places of the nodes."""
+    """Return the pieces as lines (2, 2) between places of the nodes."""
     return list(places[:, frame.pieces.nodes].transpose(1, 2, 0))
 
 
 def _own_hinges(state: LimitState, name: str) -> pd.DataFrame:
-    """The rows of `LimitState.hinges` of one frame, in the order of its stiff ends."""
+    """Return the rows of `LimitState.hinges` of one frame, in the order of its stiff ends."""
     table = state.hinges
     return table[table["frame"] == name] if len(table) else table
 
 
 def _hinges(state: LimitState, name: str, moved: Floats, least: float) -> tuple[Floats, Floats]:
-    """Places (2, h) of the hinges that turn, and their senses, +1 anticlockwise, (h,).
+    """Return the places (2, h) of the turning hinges, and their senses, +1 anticlockwise, (h,).
 
     Args:
+        state: the state.
+        name: name of the frame.
         moved: nodes after displacement, (2, N), m.
-        least: rate of rotation that is still drawn, rad/s.
+        least: smallest drawn rate of rotation, rad/s.
     """
     dofs = state.discretisation.frames[name]
     frame, (piece, side) = dofs.body, dofs.modes.ends
@@ -176,7 +178,7 @@ def _draw_supports(axes: Axes, state: LimitState, name: str, frame: Frame) -> No
 def draw_foot(
     axes: Axes, contact: SegmentedContact, state: LimitState, stretch: float, size: float
 ) -> None:
-    """Contact of single nodes: the ground where there is an obstacle, and what the foot does."""
+    """Draw the contact of single nodes: the ground at an obstacle, and the state of the foot."""
     place, normal = contact.segments.start, contact.segments.normal
     along, half = contact.tangent, _FOOT * size
     if len(contact.sides) == 1:
@@ -201,7 +203,7 @@ def draw_foot(
 
 
 def draw_moments(axes: Axes, state: LimitState, units: Units) -> list[Artist]:
-    """Bending moments on the tension side of the members, parabolas under loads along them.
+    """Draw bending moments on the tension side of members, parabolas under loads along them.
 
     Returns:
         handles of a legend.
@@ -242,7 +244,7 @@ def draw_moments(axes: Axes, state: LimitState, units: Units) -> list[Artist]:
 def _draw_bars(
     axes: Axes, state: LimitState, moments: Mapping[str, SpanMoments], units: Units
 ) -> list[Artist]:
-    """Bars, as wide as their axial force, in tension and in compression."""
+    """Draw bars with the width of their axial force, in tension and in compression."""
     forces, lines = [np.zeros(0)], []
     for name, dofs in state.discretisation.frames.items():
         piece, side = dofs.modes.ends
@@ -269,7 +271,7 @@ def _draw_bars(
 
 
 def _ordinates(frame: Frame, moments: SpanMoments, scale: float) -> list[Floats]:
-    """Outlines of the diagrams of the pieces, m: curved where loads act along them."""
+    """Return the outlines of the diagrams of the pieces, m: curved under loads along them."""
     straight = not np.any(moments.load)
     share = np.linspace(0.0, 1.0, 2 if straight else _SAMPLES)
     pieces = frame.pieces
@@ -278,5 +280,5 @@ def _ordinates(frame: Frame, moments: SpanMoments, scale: float) -> list[Floats]
     foot = start[:, :, None] + (end - start)[:, :, None] * share
     tips = foot + scale * across[:, :, None] * moments.at(share)
     faces = np.concatenate([foot[:, :, [0, -1]], tips[:, :, ::-1]], axis=2)
-    known = np.isfinite(moments.ends).all(axis=1)  # of rigid members they are not
+    known = np.isfinite(moments.ends).all(axis=1)  # They are unknown for rigid members.
     return list(faces.transpose(1, 2, 0)[known])

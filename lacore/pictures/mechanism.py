@@ -22,31 +22,32 @@ from lacore.pictures.space.surface import plot_flow
 from lacore.reporting.status import Status
 from lacore.reporting.units import Units, fitting
 
-_NOTHING = 1e-6  # of the size of the structure: shorter contact has no panel
-_POINTS = 72.0  # an inch
+_NOTHING = 1e-6  # by the size of the structure: shorter contact has no panel
+_POINTS = 72.0  # per inch
 _PAGE = 9.0  # inches
-_TALLEST = 6.5  # inches, of one picture
-_NARROWEST = 3.7  # inches, of one of two pictures: its legend needs that
-_WIDE = 0.4  # height over width: below it two pictures stand above each other
-_CROWD = 300  # blocks: above it they do so below twice that
-_THRUST = 0.2  # of the side of a block: width of the thickest line of thrust
+_TALLEST = 6.5  # inches, for one picture
+_NARROWEST = 3.7  # inches, for one of two pictures, as the legend needs it
+_WIDE = 0.4  # height over width below which two pictures are stacked
+_CROWD = 300  # number of blocks above which this limit is doubled
+_THRUST = 0.2  # by the side of a block: width of the thickest line of thrust
 _EDGES = 0.35  # points: width of the lines between elements
 
 
 def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
-    """Picture of the mechanism: deformed meshes, displaced blocks and frames, what contact does.
+    """Plot the mechanism: deformed meshes, displaced blocks and frames, the state of contact.
 
-    With rigid blocks or frames a second picture shows what they carry: the forces in joints as
-    lines of thrust, the moments of members, the reactions of feet, and the reference loads. Below,
-    for each interface of a continuum, means over its edges of reactions and velocities: point
-    values of reactions oscillate and mean nothing. Blocks in space are drawn in three pictures, see
-    `lacore.pictures.space.mechanism.plot_in_space`. Of a state of a path the planes are drawn that
-    bodies touch or are near to, and of contact the edges that touch, or come to do so within the
-    step. The mechanism is drawn larger than the step: what approaches may be drawn behind a plane.
+    With rigid blocks or frames a second picture shows their forces: the forces in joints as lines
+    of thrust, the moments of members, the reactions of feet, and the reference loads. Below, for
+    each interface of a continuum, there are means over its edges of reactions and velocities,
+    because point values of reactions oscillate without meaning. Three-dimensional blocks are drawn
+    in three pictures, see `lacore.pictures.space.mechanism.plot_in_space`. For a state of a path,
+    the planes are drawn that bodies touch or nearly touch, and the contact of edges that touch
+    within the step. The displacements are larger than those of the step, so an approaching body may
+    be drawn behind a plane.
 
     Args:
-        state: any state with a point, whatever its status; the title says which.
-        units: that sizes are told in; m, and a prefix that fits most forces, if None.
+        state: any state with a point and any status; the title contains the status.
+        units: units; m, and a prefix that fits most forces, if None.
 
     Raises:
         ValueError: there is no point to show.
@@ -88,11 +89,11 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
 
 @dataclass(frozen=True)
 class _Layout:
-    """A figure with the mechanism and, with blocks, their forces; below, a row a panel.
+    """Figure with the mechanism and, with blocks, their forces; below, one row per panel.
 
     Attributes:
-        columns: 2 where the forces stand beside the mechanism.
-        points: scale of the pictures, points a metre.
+        columns: 2 if the forces are next to the mechanism.
+        points: scale of the pictures, points per metre.
     """
 
     figure: Figure
@@ -104,7 +105,7 @@ class _Layout:
 
 
 def _layout(extent: Floats, blocks: int, panels: int) -> _Layout:
-    """Axes for pictures of `extent` (m), still without a size."""
+    """Return axes for pictures of `extent` (m), without a size yet."""
     aspect = float(extent[1] / extent[0])
     beside = blocks > 0 and aspect > (_WIDE if blocks < _CROWD else 2 * _WIDE)
     columns, rows = (2, 1) if beside else (1, 2 if blocks else 1)
@@ -125,7 +126,7 @@ def _fit(layout: _Layout, colours: bool) -> None:
     low, high = np.transpose([axes.dataLim.get_points() for axes in layout.pictures], (1, 2, 0))
     extent = high.max(axis=1) - low.min(axis=1)
     aspect = float(extent[1] / extent[0])
-    margin = 0.9 + (1.0 if colours else 0.0)  # inches: labels and the bar of colours
+    margin = 0.9 + (1.0 if colours else 0.0)  # inches: labels and the colour bar
     page = (_PAGE + 0.9) / layout.columns
     tall = float(np.clip((page - margin) * aspect, 1.2, _TALLEST))
     if layout.columns > 1:
@@ -137,17 +138,17 @@ def _fit(layout: _Layout, colours: bool) -> None:
 
 
 def _blocks(state: LimitState) -> int:
-    """Number of rigid blocks."""
+    """Return the number of rigid blocks."""
     return sum(len(dofs.body.names) for dofs in state.discretisation.blocks.values())
 
 
 def _rigid_parts(state: LimitState) -> int:
-    """Number of rigid blocks and frames: of what a second picture shows the forces."""
+    """Return the number of rigid blocks and frames, for whose forces there is a second picture."""
     return _blocks(state) + len(state.discretisation.frames)
 
 
 def title_of(state: LimitState) -> str:
-    """Return the load factor, what it proves, and who found it."""
+    """Return the load factor, what it proves, and the solver."""
     if state.status is Status.SOLVED:
         claim = state.discretisation.claim(state.rigor)
         first = f"load factor {state.load_factor:.6g}   ({claim.text})"
@@ -162,7 +163,7 @@ def title_of(state: LimitState) -> str:
 
 
 def _parts(state: LimitState) -> str:
-    """What the structure consists of: ``96 elements, 1 rigid block, 3 members``."""
+    """Return the parts of the structure as text: ``96 elements, 1 rigid block, 3 members``."""
     d = state.discretisation
     counts = {
         "element": sum(body.body.mesh.nelements for body in d.continua.values()),

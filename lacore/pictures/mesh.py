@@ -23,13 +23,13 @@ from lacore.pictures.space.surface import surface_by_name, surface_by_value
 _SHADES = ("#efe3c8", "#d9c4a3", "#c9d3c0", "#c2cdd6", "#e3c9bd", "#d8d2e0", "#b8a98f", "#dfe0b9")
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
-_LINES = 2000  # elements: above it the lines of the mesh are thinner
-_FEW = 10  # boundaries that have a colour
+_LINES = 2000  # number of elements above which the lines of the mesh are thinner
+_FEW = 10  # number of boundaries with a colour
 STRENGTH_USED = "utilisation: largest stress of the element / strength"
 
 
 def plot_body(body: Body) -> Figure:
-    """Its elements, by regions, and its named boundaries."""
+    """Plot its elements by regions, and its named boundaries."""
     if body.dimension == 3:
         return surface_by_name(body)
     figure, axes = _page({"body": body})
@@ -52,7 +52,7 @@ def plot_body(body: Body) -> Figure:
 
 
 def plot_strength(bound: LowerBound) -> Figure:
-    """How much of their strength the stresses of a lower bound use, in each element.
+    """Plot the utilisation of the strength by the stresses of a lower bound, in each element.
 
     Raises:
         ValueError: there is no state, or nothing that yields.
@@ -64,7 +64,7 @@ def plot_strength(bound: LowerBound) -> Figure:
 
 
 def strength_used(bound: LowerBound) -> dict[str, Floats]:
-    """The largest stress in each element, per its strength, by body, (elements,).
+    """Return the largest stress in each element, by its strength, for each body, (elements,).
 
     Raises:
         ValueError: there is no state, or nothing that yields.
@@ -83,7 +83,7 @@ def strength_used(bound: LowerBound) -> dict[str, Floats]:
 
 
 def plot_gap(identity: GapIdentity) -> Figure:
-    """Shares of the elements in the gap between two bounds.
+    """Plot the shares of the elements in the gap between two bounds.
 
     Raises:
         ValueError: there are no elements.
@@ -144,11 +144,11 @@ def _page(bodies: Mapping[str, Body]) -> tuple[Figure, Axes]:
 
 
 def shaded(body: Body, before: int = 0) -> Iterator[tuple[Region, str]]:
-    """Regions of a body with a colour each; they come again after eight.
+    """Yield the regions of a body with one colour each, which repeat after eight.
 
     Args:
-        body: of any regions.
-        before: regions of other bodies in the same picture, which have the first colours.
+        body: body with any number of regions.
+        before: number of regions of other bodies in the picture, which have the first colours.
     """
     for number, region in enumerate(body.regions, before):
         yield region, _SHADES[number % len(_SHADES)]

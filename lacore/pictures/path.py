@@ -33,15 +33,15 @@ from lacore.reporting.units import FORCES, fitting
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0
-_CURVE = 3.4  # inches: width, and where it stands below, height
-_WIDE = 0.45  # height over width of bodies: below it the load stands below them
-_MARGIN = 0.04  # beside bodies, per size
+_CURVE = 3.4  # inches: width, or height if it is below
+_WIDE = 0.45  # height over width of bodies below which the load is drawn below them
+_MARGIN = 0.04  # margin around bodies, by their size
 _FORCE = (6.4, 4.0)  # inches
-_FINE = 4  # parts that an edge is cut into to be coloured
-_MANY = 2000  # elements, whose edges would cover the colours
-_FEW = 60  # steps, that have a dot each
-_TICK, _TICK_WIDTH = 0.055, 0.005  # of an event, per height and width of the axes
-_NOTHING = 1e-6  # of the load: friction that has no line
+_FINE = 4  # number of parts of an edge for its colours
+_MANY = 2000  # number of elements above which edges would cover the colours
+_FEW = 60  # number of steps up to which each has a dot
+_TICK, _TICK_WIDTH = 0.055, 0.005  # size of an event, by height and width of the axes
+_NOTHING = 1e-6  # by the load: friction without a line
 _MAP = "YlOrRd"
 _EVENTS = {
     "peak load": "#b2182b",
@@ -60,13 +60,12 @@ TOOL = "#d5d5d5"
 
 
 def plot_path(path: Path) -> Figure:
-    """The bodies at the end of a path, and the load over the travel.
+    """Plot the bodies at the end of a path, and the load over the travel.
 
     Bodies are coloured by their equivalent strain: means around vertices
-    (`lacore.model.bodies.continuum.nodal.vertex_means`), linear between, which stay below the
-    largest strain of a point, `PathStep.max_strain`. Element edges are the curves that they are.
-    Peaks of the load are marked at their step, other events at the bottom, those of one travel
-    above each other.
+    (`lacore.model.bodies.continuum.nodal.vertex_means`), linear between, which are below the
+    largest strain of a point, `PathStep.max_strain`. Element edges are drawn as curves. Peaks of
+    the load are marked at their step, other events at the bottom, stacked for equal travels.
     """
     figure, bodies, load = page(path)
     draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))
@@ -76,7 +75,7 @@ def plot_path(path: Path) -> Figure:
 
 
 def plot_force(path: Path) -> Figure:
-    """The force of the control over the travel, see `PathStep.force`.
+    """Plot the force of the control over the travel, see `PathStep.force`.
 
     With `Time` as control it is the power of the reference loads.
     """
@@ -101,7 +100,7 @@ def plot_force(path: Path) -> Figure:
 
 
 def page(path: Path) -> tuple[Figure, Axes, Axes]:
-    """A figure with the axes of the bodies, their bar of colours, and the axes of the load."""
+    """Return a figure with the axes of the bodies, their colour bar, and the axes of the load."""
     low, high = _box(path)
     extent = high - low
     aspect = float(extent[1] / extent[0])
@@ -128,7 +127,7 @@ def page(path: Path) -> tuple[Figure, Axes, Axes]:
 
 
 def strain_scale(path: Path) -> Normalize:
-    """Of all snapshots: from 0 to the largest mean around a vertex."""
+    """Return the scale of all snapshots, from 0 to the largest mean around a vertex."""
     highest = max(
         float(values.max()) for own in path.snapshots for _, values in _coloured(path, own)
     )
@@ -136,7 +135,7 @@ def strain_scale(path: Path) -> Normalize:
 
 
 def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) -> None:
-    """Bodies and obstacles; the limits are those of the whole path."""
+    """Draw bodies and obstacles; the limits are those of the whole path."""
     stage = path.stage
     for body in stage.bodies.values():
         lines = edge_lines(body.mesh, body.mesh.boundary_facets())
@@ -178,7 +177,7 @@ def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) ->
 
 
 def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
-    """Load factor, its parts and events over the travel; what is beyond `until` is faint."""
+    """Draw load factor, its parts and events over the travel, faint beyond `until`."""
     table = path.history
     handles: list[Artist] = []
     parts = [("load_factor", _LOAD, 1.6, "load factor")]
@@ -195,7 +194,7 @@ def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
         if name == "load_factor" and not past.empty and np.isfinite(until):
             axes.plot(past["travel"].iloc[-1], past[name].iloc[-1], "o", color=colour, ms=6)
     axes.set_xlabel(f"travel [{path.unit}]" if path.unit else "travel", fontsize=9)
-    axes.locator_params(axis="x", nbins=4)  # numbers of small travels are long
+    axes.locator_params(axis="x", nbins=4)  # Numbers of small travels are long.
     axes.set_ylabel("load factor", fontsize=9)
     axes.set_xlim(0, (1 + _MARGIN) * (path.snapshots[-1].travel or 1.0))
     handles += _draw_events(axes, path, until)
@@ -223,7 +222,7 @@ def _draw_events(axes: Axes, path: Path, until: float) -> list[Artist]:
 
 
 def _rug(axes: Axes, travels: "pd.Series[float]", colour: str, below: Sequence[Floats]) -> Floats:
-    """Ticks on the axis below, on top of those that stand there already; their travels."""
+    """Draw ticks on the axis below, on top of those that are there; return their travels."""
     at = np.unique(travels)
     near = _TICK_WIDTH * axes.get_xlim()[1]
     here = [(np.abs(at[:, None] - others) < near).any(axis=1) for others in below]
@@ -263,7 +262,7 @@ def _title(path: Path) -> str:
 
 
 def _box(path: Path) -> tuple[Floats, Floats]:
-    """Corners of all that bodies come to, with a margin, m."""
+    """Return the corners of the range of all bodies, with a margin, m."""
     nodes = [
         snap.configuration.nodes[name] for snap in path.snapshots for name in path.stage.bodies
     ]
@@ -275,13 +274,13 @@ def _box(path: Path) -> tuple[Floats, Floats]:
 
 
 def _coloured(path: Path, snapshot: Snapshot) -> Iterable[tuple[Mesh, Floats]]:
-    """Meshes of a snapshot, and the equivalent strain at their vertices."""
+    """Yield the meshes of a snapshot, and the equivalent strain at their vertices."""
     for name, dofs in path.stage_of(snapshot).dofs_at(snapshot.configuration).items():
         yield dofs.body.mesh, vertex_means(dofs, snapshot.configuration.strain[name])
 
 
 def _lattice(mesh: Mesh, values: Floats) -> tuple[Floats, Floats, Ints]:
-    """Places (2, n) and values (n,) on a fine lattice in each element, and its triangles (m, 3)."""
+    """Return places (2, n) and values (n,) on a fine lattice of each element, and its triangles."""
     corners, steps = len(mesh.t), np.linspace(0.0, 1.0, _FINE + 1)
     x, y = (axis.ravel() for axis in np.meshgrid(steps, steps))
     at = np.arange(x.size).reshape(_FINE + 1, -1)
@@ -300,7 +299,7 @@ def _lattice(mesh: Mesh, values: Floats) -> tuple[Floats, Floats, Ints]:
 
 
 def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
-    """Rigid blocks and footings, where they are."""
+    """Draw rigid blocks and footings in their places."""
     stage, handles = path.stage_of(snapshot), list[Artist]()
     draw_blocks(axes, stage, snapshot.configuration)
     if stage.drawn:

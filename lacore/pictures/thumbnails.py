@@ -1,4 +1,4 @@
-"""Thumbnails: a problem, mechanism, bracket or path alone, at the size at which a page shows it."""
+"""Thumbnails: a problem, mechanism, bracket or path alone, in the size on a page."""
 
 from collections.abc import Mapping, Sequence
 
@@ -38,7 +38,7 @@ from lacore.pictures.space.structure import Blocks, blocks_of, motion_of, stretc
 from lacore.pictures.space.surface import EDGE, displaced_faces, seen_faces
 from lacore.reporting.units import Units
 
-_SYMBOLS = 0.3  # of the paper that symbols around the bodies take
+_SYMBOLS = 0.3  # share of the paper for symbols around the bodies
 
 Size = tuple[float, float]
 """Width and height of a figure, inches."""
@@ -46,7 +46,7 @@ SIZE: Size = (4.6, 3.2)
 """Twice the 230 x 160 pixels of a thumbnail on a page, at `DPI`."""
 DPI = 100
 """Pixels per inch of `SIZE`: lines of one point are then 0.7 pixels wide on the page."""
-_MARGIN = 0.04  # on each side, of the size of the contents
+_MARGIN = 0.04  # on each side, by the size of the contents
 _POINTS = 72.0  # per inch
 _THIN = 0.4  # points: edges of faces
 
@@ -135,13 +135,16 @@ def surfaces_on_paper(
 
 
 def surface_colours(mesh: MeshTet, shares: Floats) -> Floats:
-    """Colours of the boundary faces, (faces, 3), by shares (0 to 1) of the elements behind them."""
+    """Return the colours of boundary faces, (faces, 3), by shares of the elements behind them.
+
+    The shares are between 0 and 1.
+    """
     behind = mesh.f2t[0, mesh.boundary_facets()]
     return np.asarray(matplotlib.colormaps["YlOrRd"](shares[behind])[:, :3])
 
 
 def thumbnail_of_problem(problem: Problem, size: Size = SIZE) -> Figure:
-    """Draw bodies, supports, contact and loads without a word.
+    """Draw bodies, supports, contact and loads without text.
 
     Args:
         problem: Any problem.
@@ -194,7 +197,7 @@ def thumbnail_of_shares(mesh: MeshTri | MeshTet, shares: Floats, size: Size = SI
 
     Args:
         mesh: Mesh of a bound.
-        shares: Of its elements, shape (elements,).
+        shares: Shares of its elements, shape (elements,).
         size: Width and height, inches; the mesh fills it.
     """
     part, norm = parts(shares)

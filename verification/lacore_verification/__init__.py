@@ -1,6 +1,6 @@
 """Verification: cases with references, and the harness that compares backends with them.
 
-As of `lacore`, the public names are those of `__init__.pyi`, each imported when first asked for.
+As in `lacore`, the public names are those of `__init__.pyi`, imported on first use.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""The command ``lacore``, also ``python -m lacore_verification``."""
+"""Entry point of the command ``lacore``, also ``python -m lacore_verification``."""
 
 import sys
 

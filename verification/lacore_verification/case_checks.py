@@ -23,13 +23,13 @@ KNOWN = gather()
 
 
 def test_cases_of_packages_can_be_loaded() -> None:
-    """What cannot would go untested."""
+    """Cases that cannot be loaded would not be tested."""
     assert not KNOWN.broken, "; ".join(map(str, KNOWN.broken.values()))
 
 
 @pytest.fixture(scope="session")
 def finished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Finished:
-    """The runs of the selected tests, done."""
+    """Run all runs of the selected tests."""
     asked = list(_selected(request.session))
     store = tmp_path_factory.mktemp("verification") / NAME
     return finish(
@@ -47,7 +47,7 @@ def _selected(session: pytest.Session) -> Iterator[Question]:
 
 @pytest.mark.parametrize("question", ask(known=KNOWN), ids=lambda question: question.name)
 def test_case(question: Question, finished: Finished) -> None:
-    """One check of a case with a backend."""
+    """Check one case with a backend."""
     found = answer(question, finished)
     if found.verdict in (SKIPPED, NO_RESULT, NO_REFERENCE):
         pytest.skip(found.why)

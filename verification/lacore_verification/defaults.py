@@ -1,4 +1,4 @@
-"""What commands and their help say before anything is loaded that solves."""
+"""Defaults of commands and their help, available without loading solvers."""
 
 import os
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ STOPPED = 130
 """Exit code after Ctrl-C, as shells report it."""
 
 TIME_LIMIT = 600.0
-"""s, of a run: ten times what the largest default one needs."""
+"""s, time limit of a run: ten times the time of the largest default one."""
 
 _RAW = {"damping": 1.0, "anderson": 0}
 RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
@@ -19,8 +19,8 @@ RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # not everywhere
+    except AttributeError:  # not available on all systems
         return os.cpu_count() or 1

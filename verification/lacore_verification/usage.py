@@ -98,7 +98,7 @@ def _one_sentence() -> Iterator[None]:
 
 
 def _sentence(error: click.UsageError) -> str:
-    """What is wrong with a command line, and where to read how it is written."""
+    """Return what is wrong with a command line, and where its usage is explained."""
     text = error.format_message().rstrip(".")
     text = text[:1].lower() + text[1:]
     if error.ctx is None:

@@ -1,1 +1,1 @@
-"""The sketch of a problem: its shape, loads, supports and names."""
+"""Sketch of a problem: its shape, loads, supports and names."""

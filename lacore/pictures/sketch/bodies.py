@@ -1,4 +1,4 @@
-"""Bodies in the sketch of a problem: what each kind looks like, and the names of its parts."""
+"""Bodies in the sketch of a problem: the shape of each kind, and the names of its parts."""
 
 import re
 from functools import singledispatch
@@ -22,13 +22,13 @@ from lacore.pictures.mesh import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, quantity
 from lacore.reporting.text import Reader, render
 
-_FEW = 6  # regions, that have their own entries of the legend
+_FEW = 6  # number of regions up to which each has an entry of the legend
 _BLOCK, _OUTLINE, _NAME = "#ece7dc", "#333333", "#555555"
 
 
 @singledispatch
 def draw_body(body: AnyBody, sheet: Sheet, name: str, problem: Problem) -> None:
-    """The body of that name in a problem."""
+    """Draw the body of that name in a problem."""
     raise TypeError(f"nothing sketches a {type(body).__name__}")
 
 
@@ -38,7 +38,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     corners = outlines(mesh)
     many = len(body.regions) > _FEW
     whole = _plain(name) if len(problem.bodies) > 1 else "rigid-plastic"
-    # A body has colours of its own, of whatever material it is.
+    # Each body has its own colours, for any material.
     sheet.shades[name] = list(shaded(body, sum(map(len, sheet.shades.values()))))
     # Edges in the colour of the faces leave no hairlines between them.
     for region, colour in sheet.shades[name]:
@@ -63,12 +63,12 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
 
 
 def _plain(name: str) -> str:
-    """A name that a user gave, whose dollars are no mathematics."""
+    """Return a user's name with dollars that do not start mathematics."""
     return name.replace("$", r"\$")
 
 
 def _symbols(label: str) -> str:
-    """The label of a criterion with its symbols and numbers in mathtext."""
+    """Return the label of a criterion with its symbols and numbers in mathtext."""
     raised = re.sub(r"(= [\d.]+)e([-+]\d+)", lambda m: rf"{m[1]} \times 10^{{{int(m[2])}}}", label)
     told = re.sub(r"(\w+ = [^\s,]+(?: \\times \S+)?)", r"$\1$", raised)
     return re.sub(r"\b(\w) varies", r"$\1$ varies", told)
@@ -122,7 +122,7 @@ def _blocks(body: BlockAssembly, sheet: Sheet, name: str, problem: Problem) -> N
 
 @singledispatch
 def part_names(body: AnyBody, name: str, problem: Problem) -> list[Label]:
-    """Its name, where there are several bodies."""
+    """Return the label with its name, if there are several bodies."""
     low, high = body.box
     home = shapely.box(*low, *high)
     return [_named(name, (low + high) / 2, home)] if len(problem.bodies) > 1 else []
@@ -130,7 +130,7 @@ def part_names(body: AnyBody, name: str, problem: Problem) -> list[Label]:
 
 @part_names.register
 def _block_names(body: BlockAssembly, name: str, problem: Problem) -> list[Label]:
-    """Those of its blocks, where several move or there are several bodies."""
+    """Return the labels of its blocks, if several move or there are several bodies."""
     if np.count_nonzero(~_held(body, name, problem)) <= 1 and len(problem.bodies) == 1:
         return []
     homes = map(shapely.Polygon, body.polygons.values())
@@ -142,7 +142,7 @@ def _named(name: str, place: Floats, home: shapely.Geometry) -> Label:
 
 
 def _held(body: BlockAssembly, name: str, problem: Problem) -> Bools:
-    """Which blocks supports leave no velocity, shape (blocks,)."""
+    """Return which blocks have no velocity because of supports, shape (blocks,)."""
     basis = RigidDofs(body, 0).free([s for s in problem.supports if s.body == name])
     largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 3)
     return np.asarray(~np.any(largest > 0, axis=1))

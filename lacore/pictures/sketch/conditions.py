@@ -22,11 +22,11 @@ from lacore.reporting.units import Units
 _HELD = "#3c3c3c"
 _LAWS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#b15928")
 _DEPTH, _GROUND = 7.0, 9.0  # points: hatches of supports and of obstacles
-_BALL, _SPACING = 6.0, 14.0  # points: diameter of rollers, and how far they are apart
+_BALL, _SPACING = 6.0, 14.0  # points: diameter and spacing of rollers
 _FOOT = 13.0  # points: half of the ground under a node
-_ASIDE = 0.3  # of a joint: where its label stands
+_ASIDE = 0.3  # by a joint: place of its label
 _NODES = {"clamped": "s", "xy": "^", "rotation": "D"}
-_BESIDE = {"x": np.array([-1.0, 0.0]), "y": np.array([0.0, -1.0])}  # where a node's roller stands
+_BESIDE = {"x": np.array([-1.0, 0.0]), "y": np.array([0.0, -1.0])}  # side of a node with its roller
 _HOLDS = {
     "x": "$u_x = 0$",
     "y": "$u_y = 0$",
@@ -40,7 +40,7 @@ _AROUND_AXIS = {"x": "$u_r = 0$", "y": "$u_z = 0$"}
 
 
 def draw_support(sheet: Sheet, support: Fix, body: AnyBody, gid: str) -> None:
-    """Hatches where all is held, rollers where the boundary may slide, squares where not."""
+    """Draw a support: hatches if fixed, rollers if the boundary may slide, squares if not."""
     names = _HOLDS | _AROUND_AXIS if has_axis([body]) else _HOLDS
     text = names[support.components]
     edges = plane(body).boundary(support.where, "Fix.where")[1]
@@ -59,12 +59,12 @@ def draw_support(sheet: Sheet, support: Fix, body: AnyBody, gid: str) -> None:
 
 
 def _holds_blocks(support: Fix, body: AnyBody) -> bool:
-    """Whether it holds whole blocks, which are drawn as held themselves."""
+    """Return whether it holds whole blocks, which are drawn as held."""
     return isinstance(body, BlockAssembly) and not callable(support.where)
 
 
 def _across(edges: Edges, axis: Floats) -> bool:
-    """Whether a direction points out of the boundary, rather than along it."""
+    """Return whether a direction points out of the boundary, rather than along it."""
     return bool(np.mean(np.abs(axis @ edges.normal)) > np.sqrt(0.5))
 
 
@@ -82,7 +82,7 @@ def _draw_balls(
     text: str,
     gid: str,
 ) -> None:
-    """Rollers at places, and the rail that they run on along edges."""
+    """Draw rollers at places, and their rail along edges."""
     x, y = places + 0.5 * _BALL * sheet.point * normals
     sheet.axes.scatter(
         x,
@@ -122,7 +122,7 @@ def _draw_held_nodes(sheet: Sheet, support: Fix, nodes: Edges, text: str, gid: s
 
 
 def law_text(law: Friction, units: Units) -> str:
-    """A friction law, as mathtext."""
+    """Return a friction law, as mathtext."""
     if isinstance(law, Bonded):
         return "bond"
     if isinstance(law, Coulomb):
@@ -138,7 +138,7 @@ def law_text(law: Friction, units: Units) -> str:
 
 
 def law_colours(texts: Sequence[str]) -> dict[str, str]:
-    """A colour for each law; one for all of more laws than can be told apart."""
+    """Return a colour for each law; a single one if there are too many laws."""
     distinct = list(dict.fromkeys(texts))
     if len(distinct) > len(_LAWS):
         return dict.fromkeys(distinct, _LAWS[0])
@@ -146,7 +146,7 @@ def law_colours(texts: Sequence[str]) -> dict[str, str]:
 
 
 def joint_laws(body: BlockAssembly, units: Units) -> list[str]:
-    """The law of each joint, as text."""
+    """Return the law of each joint, as text."""
     joints = body.joints
     laws = []
     for coefficient, limit, dilatancy, tension in zip(
@@ -164,7 +164,7 @@ def joint_laws(body: BlockAssembly, units: Units) -> list[str]:
 def draw_joints(
     sheet: Sheet, body: BlockAssembly, colours: Mapping[str, str], label: bool, gid: str
 ) -> None:
-    """Joints of an assembly, coloured by their friction; `label`: each with its law beside it."""
+    """Draw joints of an assembly, coloured by their friction; with `label` next to each."""
     laws, joints = joint_laws(body, sheet.units), body.joints
     many = len(colours) > len(set(colours.values()))
     if many:
@@ -177,7 +177,7 @@ def draw_joints(
         sheet.line(edges, colours[text], 1.2 if thin else 2.6, gid)
         if label:
             for start, end, normal in zip(edges.start.T, edges.end.T, edges.normal.T, strict=True):
-                place = _ASIDE * start + (1 - _ASIDE) * end  # arrows stand in the middle
+                place = _ASIDE * start + (1 - _ASIDE) * end  # Arrows are in the middle.
                 sheet.labels.append(Label(text, place, 0.1 * normal, colours[text]))
         elif not many:
             shown = f"joints: {text}"
@@ -192,7 +192,7 @@ def draw_interface(
     label: bool,
     gid: str,
 ) -> None:
-    """Contact, coloured by its friction, and the obstacle, hatched."""
+    """Draw contact, coloured by its friction, and the obstacle, hatched."""
     segments = in_plane(where_touching(interface, bodies, "Interface"))
     edges = Edges(segments.start, segments.end, -segments.normal)
     if any(bodies[name].pointwise for name, _ in interface.sides):

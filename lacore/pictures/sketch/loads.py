@@ -30,20 +30,20 @@ from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"
 _WATER = "#1f77b4"
-_DEEPEST = 0.55  # of the blue where pores are pressed most
-_SHALLOW = 0.15  # of the largest pressure: less has no arrow
+_DEEPEST = 0.55  # opacity of the blue at the largest pore pressure
+_SHALLOW = 0.15  # by the largest pressure: less has no arrow
 _SINGLE, _OF_BODY, _OF_ROW = 40.0, 34.0, 20.0  # points: lengths of arrows
-_SHORTEST = 28.0  # points of a block that an arrow inside of it needs
+_SHORTEST = 28.0  # points of a block for an arrow inside it
 _SPACING = 15.0  # points, in a row
-_ALONG = 0.25  # cosine to the normal, below which a traction acts along a boundary
-_BAR = (2.0, 7.0)  # points: a footing, from its body on
-_ROLL = 5.0  # points: the rollers under a smooth one
-_NOTHING = 1e-9  # of all parts of a body force: what they leave together
-_STEP, _TRIES = 4.0, 10  # points: rows give way to what is there
+_ALONG = 0.25  # cosine to the normal below which a traction acts along a boundary
+_BAR = (2.0, 7.0)  # points: extent of a footing from its body
+_ROLL = 5.0  # points: rollers under a smooth one
+_NOTHING = 1e-9  # by the parts of a body force: a resultant that is zero
+_STEP, _TRIES = 4.0, 10  # points: shift of rows around other symbols, and number of tries
 
 
 def draw_load(sheet: Sheet, load: Load, body: AnyBody, live: bool, gid: str) -> None:
-    """One load, if it is any; the label is its size, of a body force that of the resultant."""
+    """Draw one load if it is not zero; the label is its size, or the resultant of a body force."""
     if not acts(load):
         return
     _legend(sheet, live)
@@ -80,7 +80,7 @@ def _point_force(
 
 
 def _place(body: AnyBody, at: tuple[float, ...] | str) -> tuple[Floats, shapely.Polygon | None]:
-    """Where a force acts, and the block in the middle of which that is."""
+    """Return where a force acts, and the block in whose middle that is."""
     return _named_place(body, at) if isinstance(at, str) else (np.array(at, dtype=float), None)
 
 
@@ -100,7 +100,7 @@ def _block(body: BlockAssembly, name: str) -> tuple[Floats, shapely.Polygon]:
 
 
 def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Polygon) -> float:
-    """Length of an arrow, in points, that ends inside of a block if that is large enough."""
+    """Return the length of an arrow, in points, that ends inside a block if there is room."""
     ray = shapely.LineString([place, place + _SINGLE * sheet.point * along])
     inside = shapely.intersection(ray, block).length / sheet.point
     return 0.8 * inside if inside > _SHORTEST else _OF_BODY
@@ -115,7 +115,7 @@ def _body_force(
     total = forces.sum(axis=1)
     size = float(np.linalg.norm(total))
     if not size > _NOTHING * weights.sum():
-        return  # what cancels has no arrow
+        return  # A zero resultant has no arrow.
     place = centroids @ weights / weights.sum()
     text = _worth(sheet, size, _force_unit(body), live, _framed(body))
     _draw_single(sheet, place, total / size, True, _OF_BODY, text, colour, gid)
@@ -124,7 +124,7 @@ def _body_force(
 
 @singledispatch
 def _volume_forces(body: AnyBody, load: BodyForce) -> tuple[Floats, Floats]:
-    """Forces (2, k) on the parts that a body force acts on, and their centroids, (2, k), m."""
+    """Return forces (2, k) on the parts that a body force acts on, and centroids, (2, k), m."""
     raise TypeError(f"has no volume: {type(body).__name__}")
 
 
@@ -145,7 +145,7 @@ def _of_blocks(body: BlockAssembly, load: BodyForce) -> tuple[Floats, Floats]:
 
 @singledispatch
 def _framed(body: AnyBody) -> bool:
-    """Whether forces on it are those of a frame."""
+    """Return whether forces on it are those of a frame."""
     return False
 
 
@@ -168,7 +168,7 @@ def _draw_single(
     colour: str,
     gid: str,
 ) -> None:
-    """One arrow, out of bodies and up to points, unless another one is there."""
+    """Draw one arrow, out of bodies and up to points, unless another one is there."""
     reach = length * sheet.point * along
     pushed, pulled = (place - reach, place), (place, place + reach)
     ways = [pulled, pushed] if inside else [pushed, pulled]
@@ -179,7 +179,7 @@ def _draw_single(
 
 
 def _crossings(sheet: Sheet, way: tuple[Floats, Floats]) -> int:
-    """What the middle half of an arrow crosses; another arrow is the worst."""
+    """Return the number of symbols across the middle of an arrow; arrows count most."""
     tail, tip = way
     line = shapely.LineString([0.75 * tail + 0.25 * tip, 0.25 * tail + 0.75 * tip])
     arrows, symbols = (shapely.intersects(line, p).sum() for p in (sheet.arrows, sheet.taken))
@@ -217,7 +217,7 @@ def _footing(
 
 @_draw.register
 def _row(load: SurfaceLoad, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
-    """Arrows along a boundary or a member, as far outside as other symbols are not."""
+    """Draw arrows along a boundary or a member, outside of other symbols."""
     edges, unit = _loaded(body, load)
     vectors = load.on(edges.normal)
     size = float(np.linalg.norm(vectors[:, 0]))
@@ -248,7 +248,7 @@ def _row(load: SurfaceLoad, body: AnyBody, sheet: Sheet, colour: str, live: bool
 
 @_draw.register
 def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
-    """The deeper the blue, the larger the pressure, over the colour of each region."""
+    """Draw pore pressure as blue over the colour of each region, darker for larger pressure."""
     pressure = in_pores(load, body, "PorePressure")
     largest = float(pressure.max())
     if largest == 0:
@@ -281,7 +281,7 @@ def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool
 def _standing(
     load: StandingWater, body: Body, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
-    """Arrows as long as the pressure is large, and the water that they come from."""
+    """Draw arrows with the length of the pressure, and the water."""
     edges = plane(body).boundary(load.where, "StandingWater.where")[1]
     places, normals = spaced(edges, _SPACING * sheet.point)
     sizes = load.at(places, "StandingWater")
@@ -318,7 +318,7 @@ def _between(places: Floats) -> Floats:
 
 @singledispatch
 def _loaded(body: AnyBody, load: SurfaceLoad) -> tuple[Edges, str]:
-    """What a load is spread over, and its unit; of a member the side that the load comes from."""
+    """Return the edges of a load, and its unit; for a member those on the side of the load."""
     return plane(body).boundary(load.where, "where")[1], "Pa"
 
 
@@ -333,10 +333,10 @@ def _members(body: Frame, load: Traction) -> tuple[Edges, str]:
 
 
 def _free_depth(sheet: Sheet, edges: Edges, depth: float) -> float:
-    """Distance from edges, in points, from which on a strip is free."""
+    """Return the distance from edges, in points, from which a strip is free."""
     for step in range(_TRIES):
         low = 2.0 + step * _STEP
-        # The middle of the strip: what stands around the corner does not count.
+        # The middle of the strip, as symbols around the corner do not count.
         corners = sheet.band(edges, low, low + depth)
         inner = 0.9 * corners + 0.1 * corners.mean(axis=1, keepdims=True)
         if all(sheet.is_free(polygon) for polygon in shapely.polygons(inner)):

@@ -1,4 +1,4 @@
-"""Sketch of a problem, before it is solved: what it consists of, how it is held and loaded."""
+"""Sketch of a problem before it is solved: its parts, supports and loads."""
 
 from collections.abc import Mapping
 
@@ -28,12 +28,12 @@ from lacore.pictures.space.acting import sketch_of_faces
 from lacore.pictures.space.problem import sketch_in_space
 from lacore.reporting.units import Units, fitting
 
-_POINTS = 72.0  # an inch
+_POINTS = 72.0  # per inch
 _PAGE, _TALLEST = 5.6, 3.9  # inches: the structure alone
-_NARROWEST = 4.6  # inches: the legend needs that
-_LEFT = 45.0  # points: of the legend stand the numbers of an axis
-_FLAT = 0.08  # a single beam has no height
-_FEW = 6  # contacts, that have their own labels; blocks, that have names
+_NARROWEST = 4.6  # inches: needed by the legend
+_LEFT = 45.0  # points: numbers of an axis left of the legend
+_FLAT = 0.08  # A single beam has no height.
+_FEW = 6  # number of contacts with separate labels, and of blocks with names
 
 
 def plot_problem(
@@ -71,7 +71,7 @@ def plot_problem(
 
 
 def extent_of(problem: Problem) -> Floats:
-    """Width and height of the bodies of a plane problem, m, shape (2,)."""
+    """Return the width and height of the bodies of a plane problem, m, shape (2,)."""
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     return np.asarray(np.maximum(extent, _FLAT * np.linalg.norm(extent)))
@@ -91,7 +91,7 @@ def draw_problem(sheet: Sheet, problem: Problem) -> None:
 
 
 def _name_parts(sheet: Sheet, problem: Problem) -> None:
-    """Names of bodies, or of blocks, where there are several and few."""
+    """Draw the names of bodies, or of blocks, if there are several and few."""
     names = [
         label for name, body in problem.bodies.items() for label in part_names(body, name, problem)
     ]
@@ -113,7 +113,7 @@ def _draw_contacts(sheet: Sheet, problem: Problem) -> None:
 
 
 def _finish(figure: Figure, sheet: Sheet) -> None:
-    """Limits around all that was drawn, at the scale that it was drawn for."""
+    """Set limits around everything, with the scale for which it was drawn."""
     low, high = sheet.bounds()
     margin = 4 * sheet.point
     axes = sheet.axes
@@ -128,7 +128,7 @@ def _finish(figure: Figure, sheet: Sheet) -> None:
         handle.set_label(text)
     width, height = (high - low + 2 * margin) / sheet.point / _POINTS
     page = max(width + 0.65, _NARROWEST)
-    # As many columns as the page is wide enough for, whatever the texts are.
+    # As many columns as the width of the page allows for any texts.
     columns = len(sheet.handles) + 1
     shown = np.inf
     while columns > 1 and shown > page * _POINTS:

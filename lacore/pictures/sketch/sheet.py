@@ -1,4 +1,4 @@
-"""What a sketch is drawn on: symbols of one size on paper, labels that find a free place."""
+"""Sheet of a sketch: symbols of constant size on paper, and labels placed without overlap."""
 
 from dataclasses import dataclass, field
 
@@ -19,31 +19,31 @@ TEXT = 9.0  # points
 _GAP = 2.0  # points, around labels and arrows
 _TURNS = np.radians(np.arange(0, 360, 22.5))
 _REACHES = (1.5, 5.0, 10.0, 17.0, 27.0)  # points, between anchor and label
-_ON_SYMBOL, _ON_BODY, _FAR, _ASIDE = 10.0, 0.6, 0.03, 0.3  # what a place costs
+_ON_SYMBOL, _ON_BODY, _FAR, _ASIDE = 10.0, 0.6, 0.03, 0.3  # cost of a place
 
 
 def typeset(size: float) -> str:
-    r"""A number in mathtext, its power of ten raised: ``5.2 \times 10^{-5}``."""
+    r"""Return a number in mathtext with its power of ten: ``5.2 \times 10^{-5}``."""
     digits, _, power = f"{size:.4g}".partition("e")
     return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
 
 
 def quantity(size: float, unit: str, units: Units, framed: bool = False) -> tuple[str, str]:
-    """A size in mathtext, and its unit, see `Units.label`."""
+    """Return a size in mathtext, and its unit, see `Units.label`."""
     return typeset(size / units.size(unit, framed)), units.label(unit, framed)
 
 
 @dataclass(frozen=True)
 class Label:
-    """A text that belongs to a place.
+    """Text that belongs to a place.
 
     Attributes:
         text: mathtext.
         place: m, shape (2,).
-        towards: where it had better stand, seen from the place; a zero vector: anywhere.
-        colour: of the text.
-        plain: whether the text is shown as it is, without mathtext.
-        home: where it had better stay inside; None: off the bodies.
+        towards: preferred direction from the place; a zero vector: any.
+        colour: colour of the text.
+        plain: whether the text is shown without mathtext.
+        home: preferred area; None: outside of the bodies.
     """
 
     text: str
@@ -87,11 +87,11 @@ class Sheet:
         self.taken.extend(shapely.polygons(corners))
 
     def is_free(self, place: shapely.Geometry) -> bool:
-        """Whether no symbol is there."""
+        """Return whether a place has no symbol."""
         return not shapely.intersects(place, self.taken).any()
 
     def arrow(self, tail: Floats, tip: Floats, colour: str, gid: str, width: float = 1.6) -> None:
-        """An arrow from `tail` to `tip`, m, shape (2,) each; heads have one size on paper."""
+        """Draw an arrow from `tail` to `tip`, m, shape (2,) each; heads have one size on paper."""
         patch = FancyArrowPatch(
             tuple(tail),
             tuple(tip),
@@ -110,14 +110,14 @@ class Sheet:
         self.taken.append(self.arrows[-1])
 
     def band(self, edges: Edges, low: float, high: float) -> Floats:
-        """Corners (k, 4, 2) of strips outside of edges, from `low` to `high` points away."""
+        """Return the corners (k, 4, 2) of strips outside of edges, between two distances in points."""
         inner, outer = (edges.normal * away * self.point for away in (low, high))
         corners = [edges.start, edges.end]
         corners = [*(c + inner for c in corners), *(c + outer for c in reversed(corners))]
         return np.stack(corners).transpose(2, 0, 1)
 
     def hatch(self, edges: Edges, depth: float, colour: str, gid: str, low: float = 0.0) -> None:
-        """Hatched strips outside of edges."""
+        """Draw hatched strips outside of edges."""
         corners = self.band(edges, low, low + depth)
         self.axes.add_collection(
             PolyCollection(
@@ -133,7 +133,7 @@ class Sheet:
         self.take(corners)
 
     def line(self, edges: Edges, colour: str, width: float, gid: str, away: float = 0.0) -> None:
-        """Lines along edges, `away` points outside of them."""
+        """Draw lines along edges, `away` points outside of them."""
         corners = self.band(edges, away, away)[:, :2]
         self.axes.add_collection(
             LineCollection(
@@ -143,7 +143,7 @@ class Sheet:
         self.take(self.band(edges, away - width / 2, away + width / 2))
 
     def place_labels(self) -> None:
-        """Each label where it covers least, the nearer the better."""
+        """Place each label where it covers least, and as close as possible."""
         ground = shapely.union_all(self.bodies)
         for label in self.labels:
             self._place(label, ground)
@@ -154,7 +154,7 @@ class Sheet:
         extent = TextPath((0, 0), text, size=TEXT).get_extents()
         half = (np.array([extent.width, extent.height]) / 2 + _GAP) * self.point
         turns = np.stack([np.cos(_TURNS), np.sin(_TURNS)])
-        # As far as the box reaches in a direction, and on.
+        # extent of the box in a direction, and more
         edge = np.minimum(*(half[:, None] / np.maximum(np.abs(turns), 1e-9)))
         centres = np.concatenate(
             [
@@ -194,7 +194,7 @@ class Sheet:
         )
 
     def bounds(self) -> tuple[Floats, Floats]:
-        """Corners of all that was drawn, m."""
+        """Return the corners of the drawing, m."""
         low_x, low_y, high_x, high_y = shapely.total_bounds(
             [*self.bodies, *self.taken, *self.tools]
         )
@@ -202,7 +202,7 @@ class Sheet:
 
 
 def spaced(edges: Edges, spacing: float) -> tuple[Floats, Floats]:
-    """Places along edges, evenly in each run of them, its ends included, and normals, (2, k)."""
+    """Return places along edges, evenly in each run with its ends, and normals, (2, k)."""
     merged = shapely.line_merge(shapely.MultiLineString(list(edges.lines)))
     places = []
     for run in shapely.get_parts(merged):
@@ -214,7 +214,7 @@ def spaced(edges: Edges, spacing: float) -> tuple[Floats, Floats]:
 
 
 def middle(edges: Edges) -> tuple[Floats, Floats]:
-    """The middle of the longest run of edges, and the normal there, shape (2,) each."""
+    """Return the middle of the longest run of edges, and the normal there, shape (2,) each."""
     merged = shapely.get_parts(shapely.line_merge(shapely.MultiLineString(list(edges.lines))))
     longest = merged[int(np.argmax(shapely.length(merged)))]
     point = shapely.line_interpolate_point(longest, longest.length / 2)

@@ -1,1 +1,1 @@
-"""Pictures of blocks in space."""
+"""Pictures of three-dimensional problems."""

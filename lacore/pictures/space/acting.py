@@ -1,4 +1,4 @@
-"""Sketch of a problem of tetrahedra: what holds, touches and loads which faces."""
+"""Sketch of a problem of tetrahedra: supports, contact and loads of faces."""
 
 from collections.abc import Iterator
 
@@ -28,11 +28,11 @@ _LONGEST = 45  # characters of a legend
 
 
 def sketch_of_faces(problem: Problem, units: Units) -> Figure:
-    """Faces of bodies in the colours of what acts on them; the legend says what each is.
+    """Draw faces of bodies in the colours of their supports and loads, explained in the legend.
 
     Args:
-        problem: of bodies of tetrahedra.
-        units: that sizes are told in.
+        problem: problem of bodies of tetrahedra.
+        units: units of sizes.
     """
     bodies = of_kind(problem.bodies, Body)
     boxes = np.array([body.box for body in bodies.values()])
@@ -51,7 +51,7 @@ def sketch_of_faces(problem: Problem, units: Units) -> Figure:
 
 
 def face_colours(problem: Problem) -> dict[str, Floats]:
-    """Colours of the boundary faces by what acts on them, by body, (faces, 3) each."""
+    """Return the colours of the boundary faces by supports and loads, by body, (faces, 3) each."""
     bodies = of_kind(problem.bodies, Body)
     facets = {name: body.mesh.boundary_facets().astype(np.int64) for name, body in bodies.items()}
     colours = {name: np.tile(to_rgb(PLAIN), (own.size, 1)) for name, own in facets.items()}
@@ -62,7 +62,7 @@ def face_colours(problem: Problem) -> dict[str, Floats]:
 
 
 def _acting(problem: Problem) -> Iterator[tuple[str, str, list[tuple[str, Ints]]]]:
-    """What acts: in words, its colour, and on which faces of which bodies."""
+    """Yield supports, contact and loads: a text, a colour, and the faces by body."""
     bodies = of_kind(problem.bodies, Body)
 
     def faces(name: str, where: Where) -> list[tuple[str, Ints]]:

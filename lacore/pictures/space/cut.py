@@ -1,4 +1,4 @@
-"""Tetrahedra cut by a plane: polygons in it, and what velocities are there."""
+"""Tetrahedra cut by a plane: polygons in it, and their velocities."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, is_vector
 from lacore.reporting.showing import Compact
 
-_SAME = 1e-9  # of the size of a mesh: vertices that far from the plane lie in it
-_NOTHING = 1e-12  # of the square of that size: smaller areas are edges and vertices in the plane
-# Edges that the plane crosses, around the polygon, of vertices sorted by height: one, two, three
-# of them below it. A triangle has its last corner twice.
+_SAME = 1e-9  # by the size of a mesh: distance of vertices that lie in the plane
+_NOTHING = 1e-12  # by the square of that size: area of edges and vertices in the plane
+# Edges that the plane crosses, around the polygon, for vertices sorted by height: one, two, three
+# of them below it. A triangle repeats its last corner.
 _FROM = np.array([(0, 0, 0, 0), (0, 0, 1, 1), (0, 1, 2, 2)])
 _TO = np.array([(1, 2, 3, 3), (2, 3, 3, 2), (3, 3, 3, 3)])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plane(Compact):
-    """A plane with axes in it.
+    """Plane with axes in it.
 
     Attributes:
-        point: on it, (3,), m.
+        point: point on it, (3,), m.
         normal: unit vector, (3,).
-        axes: two unit vectors in it at right angles, (2, 3): of planes across a coordinate axis the
-            two others, else the second rises as steeply as the plane does.
+        axes: two orthogonal unit vectors in it, (2, 3): for planes across a coordinate axis the two
+            others, else the second one has the steepest slope of the plane.
     """
 
     point: Floats
@@ -38,7 +38,7 @@ class Plane(Compact):
 
     @property
     def names(self) -> list[str]:
-        """Of its axes: x, y, z, or the direction."""
+        """Names of its axes: x, y, z, or the direction."""
         return [_name(own) for own in self.axes]
 
 
@@ -50,7 +50,7 @@ def _name(axis: Floats) -> str:
 
 
 def plane_of(point: Sequence[float], normal: Sequence[float]) -> Plane:
-    """The plane through a point, m, across a vector of any length and sense.
+    """Return the plane through a point, m, across a vector of any length and sense.
 
     Raises:
         InputError: one of them is not three finite numbers, or the normal is zero.
@@ -75,14 +75,14 @@ def plane_of(point: Sequence[float], normal: Sequence[float]) -> Plane:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Cut(Compact):
-    """Polygons in which a plane cuts tetrahedra.
+    """Polygons of tetrahedra cut by a plane.
 
     Attributes:
-        element: of each, (k,).
-        corners: in the axes of the plane, in order around it, (2, 4, k), m; a triangle has its last
-            corner twice.
-        area: (k,), m^2.
-        share: of the vertices of the element in the centroid: barycentric coordinates, (4, k).
+        element: element of each, (k,).
+        corners: in the axes of the plane, in order around it, (2, 4, k), m; a triangle repeats its
+            last corner.
+        area: areas, (k,), m^2.
+        share: barycentric coordinates of the centroid in the element, (4, k).
     """
 
     element: Ints
@@ -91,12 +91,12 @@ class Cut(Compact):
     share: Floats
 
     def centroid(self, mesh: MeshTet) -> Floats:
-        """(3, k), m."""
+        """Return the centroids, (3, k), m."""
         return np.asarray(np.einsum("xvk,vk->xk", mesh.p[:, mesh.t[:, self.element]], self.share))
 
 
 def cut_by(plane: Plane, mesh: MeshTet) -> Cut:
-    """What a plane cuts of a mesh, each place once.
+    """Return the section of a mesh with a plane, each place once.
 
     A face in the plane belongs to the element below it, at the boundary to its only one.
     """
@@ -125,7 +125,7 @@ def cut_by(plane: Plane, mesh: MeshTet) -> Cut:
 
 
 def _measured(plane: Plane, mesh: MeshTet, element: Ints, share: Floats, least: float) -> Cut:
-    """Polygons larger than `least`, by shares of vertices in their corners, (4, 4, k)."""
+    """Return the polygons larger than `least`, by shares of vertices in corners, (4, 4, k)."""
     places = plane.axes @ mesh.p
     corners = np.einsum("xvk,vck->xck", places[:, mesh.t[:, element]], share)
     one, two, three = (corners[:, end] - corners[:, 0] for end in (1, 2, 3))
@@ -139,13 +139,13 @@ def _measured(plane: Plane, mesh: MeshTet, element: Ints, share: Floats, least: 
 
 
 def velocity_in(plane: Plane, cut: Cut, dofs: BodyDofs, velocity: Floats) -> Floats:
-    """The part of the velocity in the plane at the centroids of a cut, (2, k), m/s.
+    """Return the velocity in the plane at the centroids of a cut, (2, k), m/s.
 
     Args:
-        plane: with its axes.
-        cut: of the mesh of the body.
-        dofs: of the body.
-        velocity: at its nodes, (3, nodes), m/s.
+        plane: plane with its axes.
+        cut: cut of the mesh of the body.
+        dofs: unknowns of the body.
+        velocity: velocity at its nodes, (3, nodes), m/s.
     """
     element = ElementTetP2() if dofs.degree == 2 else ElementTetP1()
     nodes = dofs.element_nodes[:, cut.element]

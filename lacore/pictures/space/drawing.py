@@ -1,4 +1,4 @@
-"""Polygons, lines and axes in space, drawn by matplotlib."""
+"""Three-dimensional polygons, lines and axes drawn by matplotlib."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.pictures.space.structure import Blocks, from_behind
 from lacore.reporting.units import Units
 
-ELEVATION, AZIMUTH = 24.0, -58.0  # degrees: of the eye
+ELEVATION, AZIMUTH = 24.0, -58.0  # degrees: direction of the view
 Colour = tuple[str, float]
-_LIGHT = np.array([-0.35, -0.6, 0.72])  # towards it, from over the left shoulder
-_SHADOW = 0.62  # of the colour that is left on sides that the light does not meet
+_LIGHT = np.array([-0.35, -0.6, 0.72])  # towards the light, from over the left shoulder
+_SHADOW = 0.62  # brightness of sides without light
 _PAGE = 5.4, 5.2  # inches, of a picture
 _LINE = 0.45  # grey of edges
-_MANY = 150  # blocks, that thin lines keep apart
-_MARGIN = 0.02  # of the extent
+_MANY = 150  # number of blocks from which lines are thin
+_MARGIN = 0.02  # by the extent
 
 
 def page(count: int, title: str) -> tuple[Figure, list[SubplotSpec]]:
-    """A figure with places for pictures side by side, and their legends above them."""
+    """Return a figure with places for pictures side by side, and their legends above them."""
     width, height = _PAGE
     figure = Figure(figsize=(width * count, height))
     figure.set_facecolor("white")
@@ -39,7 +39,7 @@ def page(count: int, title: str) -> tuple[Figure, list[SubplotSpec]]:
 
 
 def explain(axes: Axes3D, handles: Sequence[Artist], columns: int = 3) -> None:
-    """The legend of a picture, above it."""
+    """Draw the legend of a picture, above it."""
     axes.legend(
         handles=list(handles),
         loc="lower left",
@@ -54,7 +54,7 @@ def explain(axes: Axes3D, handles: Sequence[Artist], columns: int = 3) -> None:
 
 
 def space(figure: Figure, cell: SubplotSpec, low: Floats, high: Floats, units: Units) -> Axes3D:
-    """Axes around a box (two corners, m), equally scaled, seen from far away."""
+    """Return axes around a box (two corners, m), equally scaled, in parallel projection."""
     axes = figure.add_subplot(cell, projection="3d", proj_type="ortho", computed_zorder=False)
     assert isinstance(axes, Axes3D)
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
@@ -84,13 +84,13 @@ def _ticks(extent: float, largest: float) -> MaxNLocator:
 
 
 def eye() -> Floats:
-    """Unit vector towards the eye."""
+    """Return the unit vector towards the viewer."""
     tall, around = np.radians([ELEVATION, AZIMUTH])
     return np.array([np.cos(tall) * np.cos(around), np.cos(tall) * np.sin(around), np.sin(tall)])
 
 
 def normals_of(points: Floats, faces: Sequence[Ints]) -> Floats:
-    """Unit normals of polygons, by the right-hand rule, (3, k)."""
+    """Return the unit normals of polygons, by the right-hand rule, (3, k)."""
     flat = np.concatenate(faces)
     counts = np.array([len(face) for face in faces])
     first = np.cumsum(counts) - counts
@@ -105,11 +105,14 @@ def normals_of(points: Floats, faces: Sequence[Ints]) -> Floats:
 def fill_solids(
     axes: Axes3D, points: Floats, blocks: Blocks, colours: Sequence[str], zorder: float
 ) -> None:
-    """Surfaces as one sees them: sides that look away are left out, far blocks drawn first.
+    """Draw visible surfaces: without sides that face away, and far blocks first.
 
     Args:
+        axes: axes.
         points: vertices of the blocks, displaced or not, (3, n), m.
-        colours: of each block.
+        blocks: blocks with these vertices.
+        colours: colour of each block.
+        zorder: order of drawing.
     """
     shown = faces_of(points, blocks, colours)
     thin = 0.5 if blocks.radius.size < _MANY else 0.25
@@ -127,7 +130,7 @@ def fill_solids(
 
 @dataclass(frozen=True)
 class ShadedFaces:
-    """Faces of blocks that look at the eye.
+    """Faces of blocks that face the viewer.
 
     Attributes:
         face: Numbers of the polygons of the blocks, shape (k,).
@@ -142,7 +145,7 @@ class ShadedFaces:
 
 
 def faces_of(points: Floats, blocks: Blocks, colours: Sequence[str]) -> ShadedFaces:
-    """Find what one sees of blocks, and shade it.
+    """Return the visible faces of blocks, shaded.
 
     Args:
         points: Vertices of the blocks, displaced or not, m, shape (3, n).
@@ -162,10 +165,10 @@ def faces_of(points: Floats, blocks: Blocks, colours: Sequence[str]) -> ShadedFa
 
 
 def on_screen(points: Floats) -> tuple[Floats, Floats]:
-    """Project points of shape (3, ...) as one sees them.
+    """Project points of shape (3, ...) onto the view.
 
     Returns:
-        Their places to the right and upwards, m, shape (2, ...), and how near they are, m.
+        Their places to the right and upwards, m, shape (2, ...), and their depth, m.
     """
     around = np.radians(AZIMUTH)
     right = np.array([-np.sin(around), np.cos(around), 0.0])
@@ -174,7 +177,7 @@ def on_screen(points: Floats) -> tuple[Floats, Floats]:
 
 
 def draw_edges(axes: Axes3D, points: Floats, blocks: Blocks, colour: str, zorder: float) -> None:
-    """Edges of blocks as thin lines, also those that a solid would hide."""
+    """Draw edges of blocks as thin lines, including those behind solids."""
     lines = points[:, blocks.edges].transpose(2, 1, 0)
     axes.add_collection3d(
         Line3DCollection(list(lines), colors=colour, linewidths=0.4, zorder=zorder)
@@ -184,7 +187,7 @@ def draw_edges(axes: Axes3D, points: Floats, blocks: Blocks, colour: str, zorder
 def fill_polygons(
     axes: Axes3D, polygons: Sequence[Floats], colours: Sequence[Colour], zorder: float
 ) -> None:
-    """Plane polygons (3, k) with colours and how opaque they are, far ones first."""
+    """Draw plane polygons (3, k) with colours and opacity, far ones first."""
     axes.add_collection3d(
         Poly3DCollection(
             [own.T for own in polygons],
@@ -197,7 +200,7 @@ def fill_polygons(
 
 
 def draw_lines(axes: Axes3D, ends: Floats, widths: Floats, colour: str, zorder: float) -> None:
-    """Straight lines (3, 2, k), m, of widths (k,) in points."""
+    """Draw straight lines (3, 2, k), m, of widths (k,) in points."""
     axes.add_collection3d(
         Line3DCollection(
             list(ends.transpose(2, 1, 0)),

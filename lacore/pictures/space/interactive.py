@@ -1,4 +1,4 @@
-"""The mechanism of blocks in space as a scene that one can turn, a page of its own (pyvista)."""
+"""Mechanism of three-dimensional blocks as an interactive scene on a page (pyvista)."""
 
 import asyncio
 import os
@@ -15,27 +15,27 @@ from lacore.pictures.space.mechanism import MOVES, THRUST, colours_of, thrust_li
 from lacore.pictures.space.structure import Motion, motion_of, stretch_of, touches_of
 from lacore.reporting.errors import InputError, install_command
 
-_TUBE = 0.008  # radius of the line of the largest force, per size of the structure
-_FAINTEST = 0.01  # of the largest force
+_TUBE = 0.008  # radius of the line of the largest force, by the size of the structure
+_FAINTEST = 0.01  # by the largest force
 _OPAQUE = 0.4
 
 
 def write_scene(state: LimitState, place: str | os.PathLike[str]) -> Path:
-    """A page with displaced blocks, joints by what they do, and thrust; it needs no server.
+    """Write a page with displaced blocks, joints by state, and thrust; it needs no server.
 
-    Blocks are transparent; the thrust is drawn where it was before collapse. It takes pyvista and
-    trame-pyvista: ``pip install 'lacore-limit-analysis[scene]'``.
+    Blocks are transparent; the thrust is drawn in the original geometry. The function needs pyvista
+    and trame-pyvista: ``pip install 'lacore-limit-analysis[scene]'``.
 
     Args:
-        state: of blocks in space, with a point.
-        place: of the file, .html.
+        state: state of three-dimensional blocks, with a point.
+        place: path of the file, .html.
 
     Returns:
         the file.
 
     Raises:
-        InputError: a problem of the plane, another ending, a place that cannot be written, or
-            pyvista is not installed.
+        InputError: a plane problem, another ending, a file that cannot be written, or pyvista is
+            not installed.
     """
     file = Path(os.fspath(place))
     if not state.discretisation.solids:
@@ -100,7 +100,7 @@ def _fill(plotter: Any, state: LimitState) -> None:
 
 
 def _mean_velocity(motion: Motion, places: Floats, slave: int, master: int) -> Floats:
-    """Halfway between the velocities of two blocks, one of which may be an obstacle, (3, k)."""
+    """Return the mean velocity of two blocks, one of which may be an obstacle, (3, k)."""
     both = [np.full(places.shape[1], block) for block in (slave, master)]
     return np.asarray(np.mean([motion.at(places, block) for block in both], axis=0))
 

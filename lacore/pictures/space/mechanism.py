@@ -1,4 +1,4 @@
-"""Pictures of limit states of blocks in space: the mechanism, the joints, the thrust."""
+"""Pictures of limit states of three-dimensional blocks: mechanism, joints, thrust."""
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -24,26 +24,26 @@ from lacore.pictures.space.structure import Motion, Touches, motion_of, stretch_
 from lacore.reporting.units import Units
 
 THRUST, LOAD = "#b2182b", "#0f7b3f"
-_OPAQUE = {"stick": 0.3, "slip": 0.8, "open": 0.8, "crush": 0.8}  # most stick, and hide the others
-MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
-_FAINTEST = 2e-3  # of the largest force: lines of thrust below it would not be seen
-_SHORTEST = 0.3  # of the radius of the smaller block: lines of thrust
+# Most joints stick, and would hide the others.
+_OPAQUE = {"stick": 0.3, "slip": 0.8, "open": 0.8, "crush": 0.8}
+MOVES = 1e-3  # by the largest velocity: visible slip or opening
+_FAINTEST = 2e-3  # by the largest force: smaller lines of thrust are invisible
+_SHORTEST = 0.3  # by the radius of the smaller block: lines of thrust
 _THICKEST = 5.0  # points: the line of the largest force
-_ARROW = 0.22  # of the size of the structure
+_ARROW = 0.22  # by the size of the structure
 _TINY = np.finfo(float).tiny
 
 
 def plot_in_space(state: LimitState, units: Units, title: str) -> Figure:
-    """Three pictures of a state of blocks in space.
+    """Draw three pictures of a state of three-dimensional blocks.
 
-    The mechanism, displaced; the joints as they are before collapse, which stick, slip and open;
-    and the forces that they carry: lines of thrust through the centres of pressure, as wide as the
-    force.
+    They are the displaced mechanism; the joints before collapse, which stick, slip and open; and
+    their forces, as lines of thrust through the centres of pressure, with the width of the force.
 
     Args:
-        state: any with a point.
-        units: that sizes are told in.
-        title: of the figure.
+        state: any state with a point.
+        units: units of sizes.
+        title: title of the figure.
     """
     motion = motion_of(state)
     blocks, velocity = motion.blocks, motion.vertices
@@ -75,14 +75,14 @@ def plot_in_space(state: LimitState, units: Units, title: str) -> Figure:
 
 
 def colours_of(motion: Motion) -> list[str]:
-    """Of blocks: those that supports hold are grey."""
+    """Return the colours of blocks: held ones are grey."""
     return [FIXED if held else FREE for held in motion.held]
 
 
 def thrust_lines(motion: Motion, touches: Touches) -> Floats:
-    """Lines of thrust through the centres of pressure, (3, 2, k), m.
+    """Return the lines of thrust through the centres of pressure, (3, 2, k), m.
 
-    They end in both blocks where they come closest to the centroids, and at what is fixed.
+    They end in both blocks where they are closest to the centroids, and at fixed parts.
     """
     size = np.linalg.norm(touches.force, axis=0)
     along = touches.force / np.maximum(size, _TINY)
@@ -113,7 +113,7 @@ def _draw_thrust(axes: Axes3D, motion: Motion, touches: Touches, units: Units) -
 
 
 def _draw_load(axes: Axes3D, state: LimitState, motion: Motion) -> list[Artist]:
-    """The resultant of the reference load, an arrow that ends where it acts."""
+    """Draw the resultant of the reference load, an arrow that ends where it acts."""
     d = state.discretisation
     loads = []
     for name, dofs in d.solids.items():

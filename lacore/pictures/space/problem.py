@@ -1,4 +1,4 @@
-"""Sketch of a problem of blocks in space: how they are held and loaded."""
+"""Sketch of a problem of three-dimensional blocks with supports and loads."""
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -21,20 +21,20 @@ from lacore.reporting.units import Units
 FREE, FIXED = "#ece2cd", "#a8a8a8"
 _GROUND = "#8c6d46"
 _LIVE, _DEAD = "#0f7b3f", "#6b6b6b"
-_FEW = 40  # arrows that a reader tells apart
-_ARROW = 0.22  # of the size of the structure: the longest
+_FEW = 40  # number of arrows that a reader can distinguish
+_ARROW = 0.22  # by the size of the structure: the longest
 _LONGEST = 60  # characters of a legend
-_ROUND_OFF = 1e-9  # of the largest force
+_ROUND_OFF = 1e-9  # by the largest force
 
 
 def sketch_in_space(problem: Problem, units: Units) -> Figure:
-    """Blocks, those that supports hold grey, faces on obstacles brown, and loads as arrows.
+    """Draw blocks, held ones grey, faces on obstacles brown, and loads as arrows.
 
-    Of more than a few arrows their resultant is drawn.
+    More than a few arrows are replaced by their resultant.
 
     Args:
-        problem: of blocks in space.
-        units: that sizes are told in.
+        problem: problem of three-dimensional blocks.
+        units: units of sizes.
     """
     bodies = of_kind(problem.bodies, BlockAssembly3D)
     blocks = blocks_of(bodies.items())
@@ -66,7 +66,7 @@ def sketch_in_space(problem: Problem, units: Units) -> Figure:
 
 
 def block_colours(problem: Problem, blocks: Blocks) -> list[str]:
-    """Colours of blocks: those that supports hold are grey."""
+    """Return the colours of blocks: held ones are grey."""
     bodies = of_kind(problem.bodies, BlockAssembly3D)
     colours = [FREE] * blocks.radius.size
     for support in problem.supports:
@@ -78,7 +78,7 @@ def block_colours(problem: Problem, blocks: Blocks) -> list[str]:
 
 
 def _draw_arrows(axes: Axes3D, points: Floats, force: Floats, colour: str, blocks: Blocks) -> None:
-    """Forces that act at points, (3, k) each, as arrows that end there."""
+    """Draw forces at points, (3, k) each, as arrows that end there."""
     size = np.linalg.norm(force, axis=0)
     own = size > _ROUND_OFF * size.max(initial=0.0)
     points, force, size = points[:, own], force[:, own], size[own]

@@ -1,4 +1,4 @@
-"""Sections of bodies of tetrahedra by a plane: what is dissipated there, how it moves."""
+"""Plane sections of bodies of tetrahedra: dissipation and velocity."""
 
 from __future__ import annotations
 
@@ -26,31 +26,31 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.units import Units
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the section alone
-_ARROW = 0.09  # of the size of the section: the longest
-_ARROWS = 24  # along the longer side: more are not told apart
-_MARGIN = 0.04  # of the size of the section
+_ARROW = 0.09  # by the size of the section: the longest
+_ARROWS = 24  # number along the longer side, as more cannot be distinguished
+_MARGIN = 0.04  # by the size of the section
 _VELOCITY = "#12395b"
 
 
 def plot_section(
     state: LimitState, point: Sequence[float], normal: Sequence[float], units: Units | None = None
 ) -> Figure:
-    """A section of bodies of tetrahedra: dissipation, and the velocity's part in the plane.
+    """Plot a section of bodies of tetrahedra: dissipation, and the velocity in the plane.
 
-    Dissipation per volume of each element that the plane cuts, that of velocity jumps half to
-    either side, per its largest of all elements, cut or not. Arrows begin at centroids of cuts; in
-    fine meshes at the largest cut of each place. Two axes are x, y, z where the plane lies along
-    them, else lengths from the origin along directions that the labels say.
+    It shows the dissipation per volume of each element that the plane cuts, with that of velocity
+    jumps half to either side, by the largest of all elements, cut or not. Arrows begin at centroids
+    of cuts; in fine meshes at the largest cut of each place. The two axes are x, y or z if the
+    plane lies along them, else lengths from the origin along directions in the labels.
 
     Args:
-        state: any with a point.
-        point: that the plane goes through, three numbers, m.
-        normal: of the plane, three numbers, of any length and sense.
-        units: that sizes are told in; m if None.
+        state: any state with a point.
+        point: point of the plane, three numbers, m.
+        normal: normal of the plane, three numbers, of any length and sense.
+        units: units of lengths; m if None.
 
     Raises:
-        InputError: not three numbers, a normal of zero, a plane that misses the bodies, or none of
-            them is of tetrahedra.
+        InputError: not three numbers, a normal of zero, a plane that misses the bodies, or no body
+            of tetrahedra.
         ValueError: there is no point to show.
     """
     dofs, power, velocity = state.discretisation.continua, state.dissipation, state.velocity
@@ -73,16 +73,16 @@ def plot_section(
 def plot_strength_section(
     bound: LowerBound, point: Sequence[float], normal: Sequence[float], units: Units | None = None
 ) -> Figure:
-    """How much of their strength the stresses of a lower bound use, in a section.
+    """Plot the utilisation of the strength by the stresses of a lower bound, in a section.
 
     Args:
-        bound: of bodies of tetrahedra.
-        point: that the plane goes through, three numbers, m.
-        normal: of the plane, three numbers, of any length and sense.
-        units: that sizes are told in; m if None.
+        bound: bound of bodies of tetrahedra.
+        point: point of the plane, three numbers, m.
+        normal: normal of the plane, three numbers, of any length and sense.
+        units: units of lengths; m if None.
 
     Raises:
-        InputError: as of `plot_section`.
+        InputError: see `plot_section`.
         ValueError: there is no state.
     """
     used = strength_used(bound)
@@ -93,7 +93,7 @@ def plot_strength_section(
 
 
 def _cuts(plane: Plane, bodies: Mapping[str, Body]) -> dict[str, Cut]:
-    """Of the bodies that a plane meets."""
+    """Return the cuts of the bodies that a plane meets."""
     solids = {name: body.mesh for name, body in bodies.items() if body.dimension == 3}
     if not solids:
         raise InputError("bodies", list(bodies), "none is of tetrahedra", "take plot()")
@@ -121,7 +121,7 @@ def _coloured(
     told: tuple[str, str, str],
     units: Units,
 ) -> tuple[Figure, Axes]:
-    """Cuts in the colours of values of the elements, from 0 to 1; title, label, colours."""
+    """Draw cuts in the colours of element values, from 0 to 1; texts: title, label, colours."""
     title, label, colours = told
     corners = np.concatenate([cut.corners for cut in cuts.values()], axis=2)
     flat = corners.reshape(2, -1)
@@ -154,7 +154,7 @@ def _coloured(
 def _draw_velocity(
     axes: Axes, places: Floats, velocity: Floats, areas: Floats, fastest: float
 ) -> None:
-    """Arrows at places, (2, k) both, unless the eye would see none."""
+    """Draw arrows at places, (2, k) both, unless they are invisible."""
     speed = np.linalg.norm(velocity, axis=0)
     if not speed.max() > MOVES * fastest:
         return

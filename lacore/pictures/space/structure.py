@@ -1,4 +1,4 @@
-"""Blocks in space as pictures need them: polygons, edges, and how they move."""
+"""Three-dimensional blocks for pictures: polygons, edges, and motions."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,21 +16,21 @@ from lacore.pictures.blocks import held_blocks
 from lacore.reporting.showing import Compact
 
 _TINY = np.finfo(float).tiny
-_SAME = 1e-6  # of the size of the structure, and of unit normals
+_SAME = 1e-6  # by the size of the structure, and by unit normals
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Blocks(Compact):
-    """All blocks in space, those of each assembly one after the other.
+    """All three-dimensional blocks, one assembly after the other.
 
     Attributes:
         first: number of the first block of each assembly, by name.
-        points: vertices, (3, n), m; `block`: theirs, (n,).
+        points: vertices, (3, n), m; `block`: their blocks, (n,).
         faces: vertex numbers of polygons that cover all surfaces, counterclockwise from outside.
         whole: which of them are a plane face: others are parts of one with holes, (p,).
         edges: vertex numbers of the ends of edges between plane faces, (2, e).
-        centroid: (3, B), m. `radius`: (B,), m.
-        joined: slave and master of joints, (2, J). `normal`: out of the master, (3, J).
+        centroid: centroids, (3, B), m. `radius`: radii, (B,), m.
+        joined: slave and master of joints, (2, J). `normal`: normal out of the master, (3, J).
     """
 
     first: dict[str, int]
@@ -51,7 +51,7 @@ class Blocks(Compact):
 
 
 def blocks_of(assemblies: Iterable[tuple[str, BlockAssembly3D]]) -> Blocks:
-    """The blocks of assemblies, by name."""
+    """Return the blocks of assemblies, by name."""
     named = list(assemblies)
     solids = [own for _, body in named for own in body.polyhedra.values()]
     sizes = np.cumsum([0, *(len(body.names) for _, body in named)])
@@ -84,14 +84,14 @@ def blocks_of(assemblies: Iterable[tuple[str, BlockAssembly3D]]) -> Blocks:
 
 
 def from_behind(blocks: Blocks, eye: Floats) -> list[int]:
-    """The blocks in an order in which each hides those before it, and none behind it.
+    """Return the blocks in an order in which each hides only those before it.
 
-    Of two that share a joint the one on the side of the eye comes later, else the nearer one; where
-    blocks hide each other in a circle the farthest of them is drawn first.
+    Of two blocks with a joint the one on the viewer's side comes later, else the closer one; if
+    blocks hide each other in a cycle, the farthest of them is drawn first.
 
     Args:
-        blocks: that do not lie in each other.
-        eye: unit vector towards it, (3,).
+        blocks: blocks that do not overlap.
+        eye: unit vector towards the viewer, (3,).
     """
     depth = (eye @ blocks.centroid).tolist()
     towards = eye @ blocks.normal
@@ -102,7 +102,7 @@ def from_behind(blocks: Blocks, eye: Floats) -> list[int]:
     hides: list[list[int]] = [[] for _ in depth]
     for one, other in zip(back[seen].tolist(), front[seen].tolist(), strict=True):
         hides[one].append(other)
-    left = sorted(range(len(depth)), key=depth.__getitem__)  # of circles
+    left = sorted(range(len(depth)), key=depth.__getitem__)  # for cycles
     ready = [(depth[block], block) for block in left if not waits[block]]
     drawn: dict[int, None] = {}
     while len(drawn) < len(depth):
@@ -121,7 +121,7 @@ def from_behind(blocks: Blocks, eye: Floats) -> list[int]:
 
 
 def _cover(solid: Polyhedron) -> tuple[list[Ints], Bools]:
-    """Polygons that cover a surface: plane faces, of those with holes the parts."""
+    """Return the polygons that cover a surface: plane faces, or parts of those with holes."""
     holed = np.bincount(solid.ring_face) > 1
     rings = zip(solid.rings, solid.ring_face, strict=True)
     whole = [ring for ring, face in rings if not holed[face]]
@@ -136,9 +136,9 @@ class Motion(Compact):
     """Velocities of blocks.
 
     Attributes:
-        blocks: whose.
-        rate: of the centroids, m/s, and of rotation, rad/s, (6, B).
-        held: whether supports leave them no velocity, (B,).
+        blocks: the blocks.
+        rate: velocities of the centroids, m/s, and rotation, rad/s, (6, B).
+        held: whether supports prevent their motion, (B,).
     """
 
     blocks: Blocks
@@ -146,7 +146,7 @@ class Motion(Compact):
     held: Bools
 
     def at(self, points: Floats, block: Ints) -> Floats:
-        """Velocities of blocks at points (3, k), m/s; 0 of block -1."""
+        """Return the velocities of blocks at points (3, k), m/s; 0 for block -1."""
         arm = points - self.blocks.centroid[:, block]
         velocity = self.rate[:3, block] + np.cross(self.rate[3:, block], arm, axis=0)
         return np.where(block >= 0, velocity, 0.0)
@@ -157,19 +157,19 @@ class Motion(Compact):
         return self.at(self.blocks.points, self.blocks.block)
 
 
-STRETCH = 0.08  # largest displacement drawn, per size of the structure
-TURN = 0.3  # largest rotation drawn, rad: blocks grow by half its square
+STRETCH = 0.08  # largest drawn displacement, by the size of the structure
+TURN = 0.3  # largest drawn rotation, rad: blocks grow by half its square
 
 
 def stretch_of(motion: "Motion") -> float:
-    """Time for which velocities are drawn, s."""
+    """Return the time by which velocities are multiplied, s."""
     fastest = float(np.linalg.norm(motion.vertices, axis=0).max())
     spin = float(np.linalg.norm(motion.rate[3:], axis=0).max())
     return min(STRETCH * motion.blocks.size / max(fastest, _TINY), TURN / max(spin, _TINY))
 
 
 def motion_of(state: LimitState) -> Motion:
-    """What the mechanism of a state does to blocks in space."""
+    """Return the motion of three-dimensional blocks in the mechanism of a state."""
     d = state.discretisation
     rate = np.concatenate([state.velocity[name] for name in d.solids], axis=1)
     held = [held_blocks(state, dofs) for dofs in d.solids.values()]
@@ -182,11 +182,12 @@ class Touches(Compact):
     """Plane polygons in which two blocks touch, or a block and an obstacle.
 
     Attributes:
-        corners: of the hull of the contact points of each, in order around it, (3, c) each, m.
+        corners: corners of the hull of the contact points of each, in order around it, (3, c) each,
+            m.
         slave, master: block numbers, (k,); an obstacle is -1.
-        normal: from the master into the slave, (3, k).
-        force: on the slave, N, (3, k). `centre`: of pressure, m, (3, k).
-        kind: ``stick``, ``slip``, ``open`` or ``crush``, (k,): what most of its points do.
+        normal: normal from the master into the slave, (3, k).
+        force: force on the slave, N, (3, k). `centre`: centre of pressure, m, (3, k).
+        kind: ``stick``, ``slip``, ``open`` or ``crush``, (k,): the state of most of its points.
     """
 
     corners: list[Floats]
@@ -199,12 +200,12 @@ class Touches(Compact):
 
 
 def touches_of(state: LimitState, motion: Motion, rest: float) -> Touches:
-    """Contact of a state, polygon by polygon.
+    """Return the contact of a state, polygon by polygon.
 
     Args:
         state: a state with a point.
-        motion: of its blocks.
-        rest: m/s: what the eye would not see as slip or opening.
+        motion: motion of its blocks.
+        rest: m/s: invisible slip or opening.
     """
     d, table = state.discretisation, state.reactions
     sides = _sides(state, motion.blocks)
@@ -237,7 +238,7 @@ def touches_of(state: LimitState, motion: Motion, rest: float) -> Touches:
 
 
 def _sides(state: LimitState, blocks: Blocks) -> Ints:
-    """Block numbers of slave and master at all contact points, (2, m); -1 of an obstacle."""
+    """Return the block numbers of slave and master at all contact points, (2, m); -1: obstacle."""
     d = state.discretisation
     number, moving = d.full.contact.interface, d.points.moving
     shift = np.full((2, len(d.points.names)), -1)
@@ -256,7 +257,10 @@ def _sides(state: LimitState, blocks: Blocks) -> Ints:
 
 
 def _around(position: Floats, normal: Floats, group: Ints) -> list[Floats]:
-    """Corners of the hull of each group of points, in order around its normal, (3, c) each."""
+    """Return the corners of the hull of each group of points, in order around its normal.
+
+    The shape is (3, c) each.
+    """
     count = normal.shape[1]
     number = np.bincount(group, minlength=count)
     middle = np.stack([np.bincount(group, row, count) for row in position]) / number

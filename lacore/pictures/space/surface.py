@@ -21,19 +21,19 @@ from lacore.pictures.axis import colour_bar
 from lacore.pictures.space.drawing import explain, eye, page, space
 from lacore.reporting.units import Units
 
-_STRETCH = 0.1  # of the size of the bodies: the largest displacement that is drawn
-_WIDE = 7.4  # inches, with the scale of colours
+_STRETCH = 0.1  # by the size of the bodies: the largest drawn displacement
+_WIDE = 7.4  # inches, with the colour scale
 PLAIN = "#ece2cd"
 DISSIPATION = "dissipation density / largest value"
-EDGE = 0.6  # of the colour of faces: that of their edges
-_FEW = 10  # boundaries that have a colour
-_SHADOW = 0.72  # of the colour that is left on sides that the light does not meet
+EDGE = 0.6  # brightness of edges, by the faces
+_FEW = 10  # number of boundaries with a colour
+_SHADOW = 0.72  # brightness of sides without light
 _LIGHT = np.array([-0.35, -0.6, 0.72]) / np.linalg.norm([-0.35, -0.6, 0.72])
 _SI = Units()
 
 
 def surface_by_name(body: Body) -> Figure:
-    """The faces of a body that one sees, coloured by the names of its boundaries."""
+    """Draw the visible faces of a body, coloured by the names of its boundaries."""
     mesh = body.mesh
     facets = mesh.boundary_facets().astype(np.int64)
     colours = np.tile(to_rgb(PLAIN), (facets.size, 1))
@@ -57,7 +57,7 @@ def surface_by_value(
     colours: Colormap,
     top: float,
 ) -> Figure:
-    """The faces of bodies that one sees, coloured by the values of the elements behind them."""
+    """Draw the visible faces of bodies, coloured by the values of the elements behind them."""
     corners = {
         name: face_corners(body.mesh, body.mesh.boundary_facets()) for name, body in bodies.items()
     }
@@ -65,15 +65,15 @@ def surface_by_value(
 
 
 def plot_flow(state: LimitState, units: Units, title: str) -> Figure:
-    """The mechanism of bodies of tetrahedra: displaced, with the power that is dissipated.
+    """Draw the mechanism of bodies of tetrahedra: displaced, with the dissipated power.
 
-    Dissipation per volume of the elements at the surface, that of velocity jumps half to either
-    side, per its largest of all elements.
+    It shows the dissipation per volume of the elements at the surface, with that of velocity jumps
+    half to either side, by the largest of all elements.
 
     Args:
-        state: any with a point.
-        units: that sizes are told in.
-        title: of the figure.
+        state: any state with a point.
+        units: units of sizes.
+        title: title of the figure.
     """
     bodies, corners, shares = displaced_faces(state)
     return _coloured(
@@ -126,7 +126,7 @@ def _coloured(
 
 
 def fill_faces(axes: Axes3D, mesh: MeshTet, corners: Floats, colours: Floats) -> None:
-    """Boundary faces with corners (3, 3, k) that look at the eye, shaded, in colours (k, 3)."""
+    """Draw boundary faces with corners (3, 3, k) that face the viewer, shaded, colours (k, 3)."""
     seen, shaded = seen_faces(mesh, colours)
     axes.add_collection3d(
         Poly3DCollection(
@@ -140,7 +140,7 @@ def fill_faces(axes: Axes3D, mesh: MeshTet, corners: Floats, colours: Floats) ->
 
 
 def seen_faces(mesh: MeshTet, colours: Floats) -> tuple[Bools, Floats]:
-    """Find the boundary faces that look at the eye, (k,), and their shaded colours, (seen, 3)."""
+    """Return the boundary faces that face the viewer, (k,), and their shaded colours, (seen, 3)."""
     _, normal = face_geometry(mesh, mesh.boundary_facets())
     seen = eye() @ normal > 0
     shade = _SHADOW + (1 - _SHADOW) * np.maximum(_LIGHT @ normal, 0.0)

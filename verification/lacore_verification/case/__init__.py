@@ -1,4 +1,4 @@
-"""What a verification case says: a problem, its reference, and how far a result may lie from it.
+"""Verification cases: a problem, its reference, and the allowed error of results.
 
 Files of cases import all names from here.
 """

@@ -1,36 +1,37 @@
-"""How far a result may lie from its reference, and why: bands, brackets, orders of refinement."""
+"""Allowed errors of results, with reasons: bands, brackets, orders of refinement."""
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+from __future__ import annotations  # Annotations are not evaluated, so they do not load lacore.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-SOLVER = 1e-6  # relative: bar of the certificate, so what a certified value may be off by
+SOLVER = 1e-6  # relative: tolerance of the certificate, which is the error of a certified value
 
 
-EXACT = 1e-5  # relative: the exact mechanism lies in the velocity space, what is left is solving
+# relative: the exact mechanism lies in the velocity space, so only the solver's error remains
+EXACT = 1e-5
 
 BRACKET = "bracket"
-"""What stands for a coupling in runs that put a case between two proven load factors."""
+"""Name used as coupling in runs that compute proven bounds of a case."""
 
 PROVEN = 1e-9
-"""Relative: what round-off leaves of a proven load factor, with two digits in hand.
+"""Relative round-off of a proven load factor, with two digits in reserve.
 
-Residuals are at 1e-12 of all loads, and round-off in elements is some ten times that in sums.
+Residuals are at 1e-12 of all loads, and round-off in elements is about ten times that in sums.
 """
 
 
 @dataclass(frozen=True)
 class Band:
-    """Relative discretisation error that is allowed, and why.
+    """Allowed relative discretisation error, with the reason.
 
     Attributes:
-        below, above: of the reference, both >= 0.
-        reason: how they were derived.
-        scale: load factor that stands for the size of the dead loads. They pass their errors on to
-            a reference that is small against them, or 0: `below` and `above` are of the larger.
+        below, above: allowed error below and above the reference, both >= 0.
+        reason: their derivation.
+        scale: load factor of the size of the dead loads. Their errors affect a reference that is
+            small compared with them, or 0: `below` and `above` are relative to the larger one.
     """
 
     below: float
@@ -40,13 +41,13 @@ class Band:
 
     @property
     def wrong(self) -> str:
-        """Why nothing can be judged with it; empty where all is well."""
+        """Why nothing can be assessed with it; empty if it is valid."""
         if all(isfinite(own) and own >= 0 for own in (self.below, self.above, self.scale)):
             return ""
         return f"a band of -{self.below:g} ... +{self.above:g}, scale {self.scale:g}, is none"
 
     def size(self, value: float) -> float:
-        """What the band of a value is relative to; an infinite one needs none."""
+        """Return the scale of the band for a value; 0 for an infinite one."""
         return max(abs(value), self.scale) if isfinite(value) else 0.0
 
 
@@ -56,7 +57,7 @@ class Convergence:
 
     Attributes:
         coefficient, order: fitted with the exact backend on meshes graded like those of the case.
-        fitted: which meshes, which errors: for the reader of the report.
+        fitted: meshes and errors of the fit, for the report.
         safety: factor on the fit: results scatter about a fit, other meshes are not nested.
     """
 
@@ -66,11 +67,11 @@ class Convergence:
     safety: float = 1.3
 
     def error(self, elements: int) -> float:
-        """Fitted relative error of a mesh."""
+        """Return the fitted relative error of a mesh."""
         return float(self.coefficient * elements**-self.order)
 
     def strict(self, elements: int) -> Band:
-        """Band of a strict upper bound: never below the reference."""
+        """Return the band of a strict upper bound: never below the reference."""
         return Band(
             below=SOLVER,
             above=self.safety * self.error(elements),
@@ -79,7 +80,7 @@ class Convergence:
         )
 
     def two_sided(self, elements: int, why: str) -> Band:
-        """Band of a value that is not a bound."""
+        """Return the band of a value that is not a bound."""
         allowed = self.safety * self.error(elements)
         return Band(
             below=allowed, above=allowed, reason=f"Not a bound: {why} {self._fit(elements)}"
@@ -94,7 +95,7 @@ class Convergence:
 
 
 def exact_patch(why: str) -> Band:
-    """Band of a case whose exact mechanism lies in the velocity space of every mesh level."""
+    """Return the band of a case whose exact mechanism lies in the velocity space of every mesh."""
     return Band(
         below=EXACT,
         above=EXACT,
@@ -103,7 +104,7 @@ def exact_patch(why: str) -> Band:
 
 
 def rigid(dead: float) -> Band:
-    """Band of rigid blocks and frames: there is no discretisation error.
+    """Return the band of rigid blocks and frames, which have no discretisation error.
 
     Args:
         dead: load factor at which the live load is as large as the dead load.
@@ -119,13 +120,13 @@ def rigid(dead: float) -> Band:
 
 @dataclass(frozen=True)
 class Order:
-    """Order of convergence that refinement must show.
+    """Required order of convergence under refinement.
 
     Attributes:
-        meshes: a ladder of at least four sizes, coarse to fine: keyword arguments of `Case.build`.
+        meshes: at least four sizes, coarse to fine: keyword arguments of `Case.build`.
         expected: p of ``error ~ elements**-p``, from a regression over the ladder.
-        tolerance: on p, either way.
-        reason: where both come from.
+        tolerance: allowed error of p.
+        reason: origin of both.
     """
 
     meshes: Sequence[Mapping[str, Any]]
@@ -134,21 +135,21 @@ class Order:
     reason: str
 
     def holds(self, order: float) -> bool:
-        """Whether a measured order is the expected one; never NaN."""
+        """Return whether a measured order is the expected one; False for NaN."""
         return abs(order - self.expected) <= self.tolerance
 
 
 @dataclass(frozen=True)
 class Bracketing:
-    """How a case is put between a proven lower and a proven upper load factor.
+    """Requirements on proven lower and upper load factors of a case.
 
     Attributes:
-        target_width: of ``(upper - lower)/mean``, to be reached.
-        max_elements: of each mesh.
+        target_width: required value of ``(upper - lower)/mean``.
+        max_elements: limit for each mesh.
         mesh: level to start from; empty for the first one.
         below, above: how far straight edges instead of curved ones may move the load factor
             from the reference, relative; both 0 with exact geometry.
-        reason: where these come from; must be given where one is not 0.
+        reason: their origin; required if one is not 0.
     """
 
     target_width: float = 0.01
@@ -160,5 +161,5 @@ class Bracketing:
 
     @property
     def straightened(self) -> bool:
-        """Whether it is said what straight edges do."""
+        """Whether the effect of straight edges is given."""
         return self.below > 0 or self.above > 0

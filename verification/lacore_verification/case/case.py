@@ -1,6 +1,6 @@
-"""What a verification case is: a problem, its reference, and how far a result may lie from it."""
+"""Verification case: a problem, its reference, and the allowed error of results."""
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+from __future__ import annotations  # Annotations are not evaluated, so they do not load lacore.
 
 import contextlib
 import os
@@ -21,26 +21,26 @@ if TYPE_CHECKING:
 
 _OURS = ("lacore_verification.cases.", "lacore_verification.fuzz.")
 KINDS = ("continuum", "blocks", "frames", "contact", "hardening")
-"""Tags that say what a case is about; every case of lacore has one at least, and free ones."""
+"""Main tags of cases; every case of lacore has at least one, and may have others."""
 
 
 JAM = {"regularised": "only the certified loop tells jamming; the reaction loop goes on and on"}
 CLAMPED = {"regularised": "penalties let go where nothing determines the clamping forces"}
 RANGE = "range"
-"""What stands for a coupling in runs that search for low and high load factors (T59)."""
+"""Name used as coupling in runs that search for low and high load factors (T59)."""
 CLOSE = 0.05
 """Relative: the largest distance from the reference that a run of the first comparison may have."""
 
 
 @dataclass(frozen=True)
 class Beside:
-    """A load factor that others give, shown on the page of a case; nothing is judged by it.
+    """Load factor of others, shown on the page of a case without being assessed.
 
     Attributes:
-        name: what it is, such as ``Davis's strength``.
+        name: its name, such as ``Davis's strength``.
         value: in units of the case.
-        source: where it comes from, and what it proves.
-        half_width: they say ``value +- half_width``.
+        source: its origin, and what it proves.
+        half_width: the range is ``value +- half_width``.
     """
 
     name: str
@@ -53,8 +53,8 @@ class Beside:
 class First:
     """The runs of a case in the first comparison; each must be within `CLOSE` of the reference.
 
-    Where the coarsest mesh is too coarse for that, a case names another mesh or variant, or a
-    bracket. The coarse meshes are run by ``lacore compare --all``.
+    If the coarsest mesh is too coarse for that, a case names another mesh or variant, or a bracket.
+    The coarse meshes are run by ``lacore compare --all``.
 
     Attributes:
         variant: Name of the variant to run. Empty: the first one of the case.
@@ -75,8 +75,9 @@ class Variant:
     Attributes:
         name: unique in the case.
         parameters: keyword arguments of `Case.build`, `Case.reference` and `Case.band`.
-        meshes: levels that are run by default; none: the two coarsest, or the only one there is.
-        unfit: backends that cannot do it, or ``regularised`` for all that are, and why.
+        meshes: levels that are run by default; by default the two coarsest, or the only one.
+        unfit: backends that do not support it, or ``regularised`` for all regularised ones, with
+            the reason.
     """
 
     name: str
@@ -91,36 +92,39 @@ BLOCKS: Mapping[str, Mapping[str, Any]] = {"blocks": {}}
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A verification case.
+    """Verification case.
 
     Attributes:
-        id: unique.
+        id: unique name.
         title: one line.
-        tags: for finding it: some of `KINDS`, and free ones.
-        unit: of the load factor.
+        tags: some of `KINDS`, and others, for searches.
+        unit: unit of the load factor.
         explanation: paragraphs; indented ones are a sketch.
-        hand_calculation: how the reference is found with pencil and paper, line by line.
+        hand_calculation: analytical derivation of the reference, line by line.
         meshes: levels, coarse to fine: keyword arguments of `build`; rigid bodies have none.
-        build: the problem, from those of a mesh level and a variant.
-        reference: the reference of a variant.
-        band: allowed error from the number of elements and the parameters of a variant.
-        variants: settings, in the order of the report.
-        sweep: parameter against which a figure of the load factor is drawn; empty for none.
-        valid: whether the closed form holds at the parameters of a variant; its docstring says why.
-        on_demand: whether it is run only when it is named.
-        surfaces: whether strength depends on pressure (T39), in one variant at least. Comparisons
-            leave out backends that do not take that.
-        order: what refinement must show, from the parameters of a variant; None where no order is
-            expected, or known.
-        bracket: what is asked of a lower and an upper bound around it; None for none. Rigid bodies
-            have none in any case.
-        first: what the first comparison runs of the case, `lacore compare` without a case.
-        path: how a variant is followed through large deformation, from its parameters, which are
-            then to have those of `lacore_verification.case.following.STEPPING`; None: one limit
-            problem. `reference` and `band` are those of the last load, the band of all others, too.
-        beside: what others say of a variant, from its parameters; shown beside what is found.
-        sketch: draws onto a sketch of the problem (`lacore.Problem.plot`) what it does not show,
-            lines of a mechanism, say; called with the axes and the problem.
+        build: function for the problem, from the arguments of a mesh level and a variant.
+        reference: function for the reference of a variant.
+        band: function for the allowed error, from the number of elements and the parameters of a
+            variant.
+        variants: variants in the order of the report.
+        sweep: parameter of a figure of the load factor; may be empty.
+        valid: function that returns whether the closed form holds for the parameters of a variant;
+            its docstring gives the reason.
+        on_demand: whether it is run only if it is named.
+        surfaces: whether strength depends on pressure (T39), in at least one variant. Comparisons
+            leave out backends that do not support it.
+        order: function for the required order of refinement, from the parameters of a variant; None
+            if no order is expected, or known.
+        bracket: requirements on lower and upper bounds; None for no bounds. Rigid bodies never have
+            any.
+        first: runs of the case in the first comparison, `lacore compare` without a case.
+        path: function for the path of large deformation of a variant, from its parameters, which
+            must include those of `lacore_verification.case.following.STEPPING`; None: one limit
+            problem. `reference` and `band` are those of the last load, and the band applies to all
+            others.
+        beside: function for load factors of others for a variant, shown next to the results.
+        sketch: function that adds details, such as lines of a mechanism, to a sketch of the problem
+            (`lacore.Problem.plot`); called with the axes and the problem.
     """
 
     id: str
@@ -147,14 +151,14 @@ class Case:
 
     @property
     def meshed(self) -> bool:
-        """Whether there are meshes to choose from."""
+        """Whether it has meshes."""
         return "blocks" not in self.meshes
 
     def levels(self, variant: Variant, asked: Sequence[str] = ()) -> tuple[str, ...]:
-        """Mesh levels to run of a variant: those asked for, or its own.
+        """Return the mesh levels to run for a variant: the requested ones, or its own.
 
         Raises:
-            InputError: an unknown level, of a case that has meshes.
+            InputError: an unknown level, for a case with meshes.
         """
         if not self.meshed:
             return tuple(self.meshes)
@@ -167,15 +171,15 @@ class Case:
         return self.problem_of(self.meshes[mesh], variant.parameters)
 
     def problem_of(self, size: Mapping[str, Any], parameters: Mapping[str, Any]) -> la.Problem:
-        """The problem of any size and parameters, keyword arguments of `build`."""
+        """Return the problem for any size and parameters, keyword arguments of `build`."""
         with guarded():
             return self.build(**size, **parameters)
 
     def reference_of(self, variant: Variant) -> Reference:
-        """The reference of a variant; of one that is not listed, where only a table is, unknown.
+        """Return the reference of a variant; unknown for one that is missing in a table.
 
         Raises:
-            LookupError: a variant of the case is not in its table.
+            LookupError: a variant of the case is missing in its table.
         """
         try:
             return self.reference(**variant.parameters)
@@ -185,7 +189,7 @@ class Case:
             return UNKNOWN
 
     def band_of(self, variant: Variant, elements: int) -> Band:
-        """The band of a variant."""
+        """Return the band of a variant."""
         return self.band(elements, **variant.parameters)
 
     @property
@@ -195,31 +199,31 @@ class Case:
         return named or next(iter(self.meshes))
 
     def following_of(self, variant: Variant) -> Following:
-        """How a variant of a path is followed."""
+        """Return the requirements on the path of a variant."""
         assert self.path is not None
         return self.path(**variant.parameters)
 
     def beside_of(self, variant: Variant) -> Sequence[Beside]:
-        """What others say of a variant."""
+        """Return load factors of others for a variant."""
         return () if self.beside is None else self.beside(**variant.parameters)
 
     def order_of(self, variant: Variant) -> Order | None:
-        """What refinement must show of a variant; None where nothing is expected."""
+        """Return the required order of a variant; None if there is none."""
         return None if self.order is None else self.order(**variant.parameters)
 
 
 def is_of_lacore(case: Case) -> bool:
-    """Whether a case is known to be harmless; what others wrote may do anything."""
+    """Return whether a case is one of lacore; cases of users may contain any code."""
     build = case.build.func if isinstance(case.build, partial) else case.build
     return getattr(build, "__module__", "").startswith(_OURS)
 
 
 @contextlib.contextmanager
 def guarded() -> Iterator[None]:
-    """What is printed goes to stderr, the working directory stays, and nothing ends the process.
+    """Redirect output to stderr, keep the working directory, and prevent an exit.
 
     Raises:
-        RuntimeError: in place of `SystemExit`.
+        RuntimeError: instead of `SystemExit`.
     """
     folder = os.getcwd()
     try:

@@ -1,6 +1,6 @@
-"""How a case is followed along a path of large deformation (T29), and what must come of it."""
+"""Paths of large deformation of cases (T29), and requirements on them."""
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+from __future__ import annotations  # Annotations are not evaluated, so they do not load lacore.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,7 +23,7 @@ ORDERS: Mapping[str, float] = {
 }
 """p of ``error ~ steps**-p`` by scheme (T30)."""
 ORDER_TOLERANCE = 0.15
-"""On p, either way: what steps of a tenth of the body size leave of terms of higher order."""
+"""Allowed error of p: effect of terms of higher order for steps of a tenth of the body size."""
 STEPPING = ("steps", "scheme")
 """Parameters that each variant of a path has: number of steps, and name of the scheme."""
 _LAST = {"explicit": 1.0, "leapfrog": 0.5}
@@ -31,12 +31,12 @@ _LAST = {"explicit": 1.0, "leapfrog": 0.5}
 
 @dataclass(frozen=True)
 class Reading:
-    """Something other than a load that is read from a path, and what it must be.
+    """Another result of a path with its required range.
 
     Attributes:
-        name: what it is.
-        of: reads it.
-        low, high: between which it must lie.
+        name: its name.
+        of: function that reads it.
+        low, high: required range.
     """
 
     name: str
@@ -113,5 +113,5 @@ class Following:
 
 
 def last_load(travel: float, steps: int, scheme: str) -> float:
-    """Travel for which the load of the last of equal steps is."""
+    """Return the travel at which the load of the last of equal steps is computed."""
     return travel * (1 - _LAST.get(scheme, 0.0) / steps)

@@ -1,6 +1,6 @@
-"""What must come out of a case: a load factor, an interval of them, or a status."""
+"""Expected result of a case: a load factor, an interval of them, or a status."""
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+from __future__ import annotations  # Annotations are not evaluated, so they do not load lacore.
 
 from dataclasses import dataclass
 from math import inf, isclose, isfinite, isnan, nan
@@ -8,26 +8,26 @@ from math import inf, isclose, isfinite, isnan, nan
 import lacore as la
 
 UNKNOWN_KINDS = ("none", "no closed form", "unknown")
-"""Kinds that say that nothing is known; only with them a reference may be NaN."""
+"""Kinds of unknown references, which alone may be NaN."""
 
 
 @dataclass(frozen=True)
 class Reference:
-    """What must come out: a load factor, an interval of them, or a status.
+    """Expected result: a load factor, an interval of them, or a status.
 
     Attributes:
-        value: in units of the case; of an interval its lower end. +inf where the status is LOCKED
-            or JAM, -inf where it is UNSAFE; NaN where the kind says that nothing is known.
-        formula: as text.
-        source: where it comes from.
+        value: in units of the case; for an interval its lower end. +inf if the status is LOCKED or
+            JAM, -inf if it is UNSAFE; NaN for a kind without a known value.
+        formula: text of the formula.
+        source: its origin.
         kind: ``exact``, ``exact, numerical`` (integrated to all digits given), ``bracket``,
-            ``interval`` (of Coulomb load factors: any certified one inside is right), ``status``,
-            or one of `UNKNOWN_KINDS`: then there is nothing to pass.
+            ``interval`` (of Coulomb load factors: any certified one inside is correct), ``status``,
+            or one of `UNKNOWN_KINDS`, without a comparison.
         half_width: the reference is ``value +- half_width``.
         up_to: upper end of an interval.
-        status: with which a Coulomb loop must end.
-        associated: load factor with associated friction, +inf where nothing bounds it; None where
-            it is not known, or no other.
+        status: required final status of a Coulomb loop.
+        associated: load factor with associated friction, +inf if it is unbounded; None if it is
+            unknown, or equal.
         complete: whether there are no other Coulomb load factors; else the interval is that of one
             mechanism, others may carry other loads, and only `associated` bounds them.
     """
@@ -44,14 +44,14 @@ class Reference:
 
     @property
     def unknown(self) -> bool:
-        """Whether its kind says that there is nothing to compare with."""
+        """Whether its kind has no known value."""
         return self.kind in UNKNOWN_KINDS
 
     @property
     def wrong(self) -> str:
-        """Why nothing can be judged by it, though its kind says so; empty where all is well.
+        """Why nothing can be assessed with it; empty if it is valid.
 
-        NaN and a distance without bounds are no references: comparisons with them are void.
+        NaN and an infinite distance are not references, because comparisons with them are void.
         """
         if self.unknown:
             return ""
@@ -66,12 +66,12 @@ class Reference:
 
     @property
     def low(self) -> float:
-        """Lower end of what is right."""
+        """Lower end of the correct values."""
         return self.value - self.half_width
 
     @property
     def high(self) -> float:
-        """Upper end of what is right."""
+        """Upper end of the correct values."""
         return self.value + self.half_width if self.up_to is None else self.up_to
 
     @property
@@ -93,7 +93,7 @@ class Reference:
         return self.up_to is not None or not isclose(self.associated, self.value)
 
     def of_associated(self) -> Reference:
-        """What associated friction must give, where that is known."""
+        """Return the reference for associated friction, if it is known."""
         assert self.associated is not None
         status = la.Status.LOCKED if self.associated == inf else la.Status.SOLVED
         return Reference(

@@ -1,1 +1,1 @@
-"""The catalogue: cases of lacore and of others, checked before anything of them runs."""
+"""Catalogue of cases of lacore and of users, checked before any of them runs."""

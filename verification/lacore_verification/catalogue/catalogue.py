@@ -1,4 +1,4 @@
-"""The catalogue: cases by id. Those of `lacore_verification.cases` are found by themselves."""
+"""Cases by id. Those of `lacore_verification.cases` are found automatically."""
 
 import pkgutil
 from collections import ChainMap
@@ -17,9 +17,9 @@ class Catalogue(Mapping[str, Case]):
     """Cases by id.
 
     Attributes:
-        cases: in the order in which they are run; those of lacore are imported when asked for.
-        sources: where each comes from, for messages.
-        broken: what is wrong with what could not be loaded, by the name that would ask for it.
+        cases: cases in the order in which they are run; those of lacore are imported on first use.
+        sources: origin of each case, for messages.
+        broken: errors of cases that could not be loaded, by name.
     """
 
     cases: Mapping[str, Case]
@@ -39,13 +39,13 @@ class Catalogue(Mapping[str, Case]):
         return key in self.cases
 
     def extended(self, case: Case, source: str) -> "Catalogue":
-        """With a case of another source, whose id is new."""
+        """Return the catalogue with a case of another source, whose id is new."""
         both = ChainMap({case.id: case}, self.cases)  # type: ignore[arg-type]  # never written to
         return Catalogue(both, {**self.sources, case.id: source}, self.broken)
 
 
 class _Files(Mapping[str, Case]):
-    """Cases by id, which is the name of their file: to tell a name, none need be imported."""
+    """Cases by id, which is the name of their file, so that names need no import."""
 
     def __init__(self) -> None:
         files = pkgutil.iter_modules(cases.__path__)
@@ -71,20 +71,20 @@ class _Files(Mapping[str, Case]):
 
 @cache
 def catalogue() -> Catalogue:
-    """The cases of lacore itself, in the order of their files."""
+    """Return the cases of lacore itself, in the order of their files."""
     found = _Files()
     return Catalogue(found, dict.fromkeys(found, "lacore"))
 
 
 def find(name: str, known: Catalogue | None = None) -> tuple[Case, tuple[Variant, ...]]:
-    """A case and its variants from ``id``, or the one variant of ``id:variant``.
+    """Return a case and its variants from ``id``, or the single variant of ``id:variant``.
 
     Args:
-        name: of a case.
-        known: where to look; None: among the cases of lacore itself.
+        name: name of a case.
+        known: catalogue to search; None: the cases of lacore.
 
     Raises:
-        InputError: an unknown name, or that of what could not be loaded.
+        InputError: an unknown name, or that of a case that could not be loaded.
     """
     known = catalogue() if known is None else known
     case_id, _, variant_name = name.partition(":")
@@ -103,10 +103,10 @@ def find(name: str, known: Catalogue | None = None) -> tuple[Case, tuple[Variant
 
 
 def tagged(known: Catalogue, tags: Sequence[str]) -> list[Case]:
-    """The cases that have all of the tags.
+    """Return the cases that have all of the tags.
 
     Raises:
-        InputError: a tag that no case has, or several that none has together.
+        InputError: a tag without a case, or several without a common case.
     """
     there = {tag for case in known.values() for tag in case.tags}
     for tag in tags:

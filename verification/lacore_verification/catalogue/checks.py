@@ -1,4 +1,4 @@
-"""Whether a case says what it must: for cases that others wrote, before anything of them is run."""
+"""Checks of the fields of a case, for cases of users before any of them runs."""
 
 import inspect
 import pickle
@@ -21,10 +21,11 @@ from lacore_verification.case.case import described
 from lacore_verification.case.following import STEPPING, Following
 from lacore_verification.catalogue.first_checks import check_first
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")  # of files, of lists with commas, of id:variant
+# characters allowed in files, lists with commas, and id:variant
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 _TEXTS = ("title", "unit", "explanation", "hand_calculation")
-_ELEMENTS = 1000  # a mesh for which a band is asked
-_LADDER = 4  # sizes: with fewer a slope has next to no confidence interval
+_ELEMENTS = 1000  # number of elements of a mesh for the check of a band
+_LADDER = 4  # number of sizes: fewer give almost no confidence interval of a slope
 
 
 def check(case: Case) -> None:
@@ -138,7 +139,7 @@ def _check_bracket(case: Case) -> None:
 
 
 def _check_picklable(case: Case) -> None:
-    """Runs go to other processes, functions by their names."""
+    """Check that a case can be sent to other processes, with functions by name."""
     for field in ("build", "reference", "band", "valid", "order", "path", "sketch"):
         try:
             pickle.dumps(getattr(case, field))
@@ -231,7 +232,7 @@ def _arguments(elements: Sequence[int], given: Mapping[str, Any]) -> str:
 def _called(function: Callable[..., Any], name: str, variant: Variant, *elements: int) -> Any:
     try:
         return function(*elements, **variant.parameters)
-    except Exception as error:  # whatever others wrote
+    except Exception as error:  # errors of users' code
         raise InputError(
             f"Case.{name}",
             None,
@@ -291,7 +292,7 @@ def _check_reference(variant: Variant, reference: object) -> None:
 
 
 def _is_real(value: object) -> bool:
-    """A number, infinite and NaN included."""
+    """Return whether a value is a number, including infinite ones and NaN."""
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

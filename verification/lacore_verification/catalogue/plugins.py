@@ -1,8 +1,8 @@
-"""Cases of others: of the entry-point group ``lacore.cases``, and of folders.
+"""Cases of users, from the entry-point group ``lacore.cases`` and from folders.
 
 Runs are executed in other processes, which find the functions of a case by module and name. Files
 of a folder are therefore ordinary modules, with the folder at the end of `sys.path`, and each must
-be what its name imports.
+be importable by its name.
 """
 
 import contextlib
@@ -27,17 +27,17 @@ GROUP = "lacore.cases"
 
 
 def gather(folders: Sequence[Path] = ()) -> Catalogue:
-    """The cases of lacore, of installed packages, and of folders.
+    """Return the cases of lacore, of installed packages, and of folders.
 
     Args:
         folders: each ``*.py`` file in them, other than ``_*.py``, has a CASE or CASES.
 
     Returns:
-        the catalogue; packages with a mistake are among its `broken`, under the name of their
-        entry point: they hinder no one who asks for other cases.
+        the catalogue; packages with an error are in its `broken`, under the name of their entry
+        point, and do not affect other cases.
 
     Raises:
-        InputError: a folder or a file in it that cannot be right; it names file and field.
+        InputError: an invalid folder or file in it; it names file and field.
     """
     known = catalogue()
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
@@ -78,10 +78,10 @@ def _of_entry(entry: EntryPoint) -> list[Case]:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Case files of a folder, sorted.
+    """Return the case files of a folder, sorted.
 
     Raises:
-        InputError: no folder, or none of them in it.
+        InputError: the folder does not exist, or has no case files.
     """
     fix = "give a folder with files that define cases"
     if not folder.exists():
@@ -139,9 +139,9 @@ def _of_file(path: Path) -> list[Case]:
 
 
 def _checked(value: Any, source: str, fix: str) -> list[Case]:
-    """Cases from a Case or a sequence of them, each checked."""
+    """Return the cases from a Case or a sequence of them, each checked."""
     from lacore_verification.catalogue.checks import (
-        check,  # lacore's own cases are checked by tests
+        check,  # Tests check lacore's own cases.
     )
 
     cases = [value] if isinstance(value, Case) else value
@@ -156,7 +156,7 @@ def _checked(value: Any, source: str, fix: str) -> list[Case]:
 
 
 def _imported(path: Path) -> ModuleType:
-    """A file as the module that its name imports, here and in other processes."""
+    """Return a file as a module that its name imports, here and in other processes."""
     name, folder = path.stem, str(path.parent)
     if not name.isidentifier():
         raise InputError(
@@ -167,7 +167,8 @@ def _imported(path: Path) -> ModuleType:
         )
     if folder not in sys.path:
         sys.path.append(folder)
-    importlib.invalidate_caches()  # the file may be younger than the last look at its folder
+    # The file may be newer than the import system's listing of its folder.
+    importlib.invalidate_caches()
     origin = _origin(name)
     if origin is None or origin.resolve() != path.resolve():
         raise InputError(
@@ -181,7 +182,7 @@ def _imported(path: Path) -> ModuleType:
 
 
 def _origin(name: str) -> Path | None:
-    """File that a name imports; None of what has none."""
+    """Return the file that a name imports; None without one."""
     try:
         found = importlib.util.find_spec(name)
     except ValueError:  # a module without a spec, such as __main__
@@ -191,21 +192,21 @@ def _origin(name: str) -> Path | None:
 
 @contextlib.contextmanager
 def _reported(source: str, path: Path | None) -> Iterator[None]:
-    """Say where an error is from, and let nothing that others print reach stdout."""
+    """Add the origin to errors, and keep output of users' code away from stdout."""
     try:
         with contextlib.redirect_stdout(sys.stderr):
             yield
     except InputError as error:
         field = f"{source}: {error.field}"
         raise InputError(field, error.value, error.reason, error.fix) from error
-    except (Exception, SystemExit) as error:  # whatever others wrote
+    except (Exception, SystemExit) as error:  # any error of users' code
         raise InputError(
             f"{source}{_line(error, path)}", None, described(error), "correct the file"
         ) from error
 
 
 def _line(error: BaseException, path: Path | None) -> str:
-    """Number of the line of a file where an error was raised, as text."""
+    """Return the line of a file at which an error was raised, as text."""
     if isinstance(error, SyntaxError) and error.filename == str(path):
         return f", line {error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)

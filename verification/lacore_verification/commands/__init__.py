@@ -1,1 +1,1 @@
-"""The command line: commands, the options that they share, and what they print."""
+"""Command line: commands, their common options, and their output."""

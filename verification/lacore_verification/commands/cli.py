@@ -143,7 +143,7 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
 
     named = backends or (name for name, _, missing in doctor.all_backends() if not missing)
     names = list(dict.fromkeys(named))
-    for name in names:  # reports a mistyped name before any backend runs
+    for name in names:  # Report a mistyped name before any backend runs.
         la.find_backend(name)
     rows: list[dict[str, Any]] = []
     for name in names:

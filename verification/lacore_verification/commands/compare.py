@@ -1,6 +1,7 @@
 """The command ``lacore compare``."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -184,7 +185,7 @@ def _planned(
     options: Sequence[str],
     known: Catalogue,
 ) -> list[Run]:
-    """Plan the runs of a comparison, with those of backends that cannot be used."""
+    """Return the planned runs of a comparison, including those of unusable backends."""
     from lacore_verification.harness.campaigns.comparison import with_unusable
 
     if cases or couplings:

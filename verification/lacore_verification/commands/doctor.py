@@ -14,11 +14,11 @@ from lacore_verification import conformance
 from lacore_verification.harness.store.provenance import describe
 
 SELF_TEST = ("friction", "plasticity on a rough plane")  # a linear program, and one with cones
-LIMIT = 10.0  # s, of one of their solves, imports included; they take milliseconds
+LIMIT = 10.0  # s, limit of one of their solves including imports; they take milliseconds
 
 
 def all_backends() -> Iterator[tuple[str, Backend | None, str]]:
-    """Every registered backend and every variant: name, backend, why it cannot run or nothing."""
+    """Yield every registered backend and every variant: name, backend, and why it cannot run."""
     for name in la.backend_names():
         try:
             backend = load_backend(name)
@@ -35,7 +35,7 @@ def all_backends() -> Iterator[tuple[str, Backend | None, str]]:
 
 
 def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str, str]:
-    """What a backend is and does, and whether it can run here, as text."""
+    """Return the properties of a backend, and whether it can run, as text."""
     if backend is None:
         blank = dict.fromkeys(
             ("version", "title", "solves", "takes", "hardening", "warm_start", "run"), ""
@@ -59,14 +59,14 @@ def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str
 
 
 def _when(name: str, can: Capabilities) -> str:
-    """When comparisons run a backend: variants of a family where they are named."""
+    """Return when comparisons run a backend; variants of a family run if they are named."""
     if can.on_demand or ":" in name:
         return "by name"
     return "on rigid bodies" if can.linear_only else "by default"
 
 
 def packages() -> list[dict[str, str]]:
-    """Every package that lacore asks for: what is wanted, what is here, what to do about it."""
+    """Return every package that lacore uses: required and installed version, and advice."""
     records = []
     for requirement in _requirements():
         wanted, _, marker = (part.strip() for part in requirement.partition(";"))
@@ -101,7 +101,7 @@ def _requirements() -> list[str]:
 
 
 def _new_enough(found: str, wanted: str) -> bool:
-    """Whether a version satisfies the lower bound of a requirement, which is all that we state."""
+    """Return whether a version satisfies the lower bound of a requirement."""
     least = re.search(r">=\s*([\d.]+)", wanted)
     return least is None or _numbers(found) >= _numbers(least[1])
 
@@ -111,7 +111,7 @@ def _numbers(text: str) -> list[int]:
 
 
 def blas() -> list[dict[str, str]]:
-    """Libraries with a thread pool of their own that are loaded now."""
+    """Return the loaded libraries with their own thread pools."""
     return [
         {
             "library": str(pool["internal_api"]),
@@ -123,7 +123,7 @@ def blas() -> list[dict[str, str]]:
 
 
 def self_tests(on_start: Callable[[str], None]) -> list[dict[str, str]]:
-    """Each backend that can run here solves two small programs, where it can be stopped."""
+    """Solve two small programs with each backend in a process that can be stopped."""
     records = []
     with la.SolverProcess() as process:
         for name, backend, missing in all_backends():
@@ -143,16 +143,16 @@ def _self_test(backend: Backend) -> tuple[str, str]:
             programs=[program],
             on_start=lambda _: None,
         )
-        for wrong in conformance.failures(findings):  # only the first: a backend may hang
+        for wrong in conformance.failures(findings):  # only the first, as a backend may hang
             return "FAIL", f"{wrong} (all checks: lacore conformance {backend.name})"
     return "pass", ""
 
 
 def examine(on_start: Callable[[str], None]) -> dict[str, Any]:
-    """All of it, as one document; `healthy` says whether anything has to be mended.
+    """Return the complete examination as one document; `healthy` tells if it is complete.
 
-    What only an extra or a variant asks for may be missing; a backend that fails its self-test,
-    or a package that lacore cannot do without, may not.
+    Packages of extras or variants may be missing; a package that lacore requires must not, nor may
+    a backend fail its self-test.
     """
     needed = packages()
     tests = self_tests(on_start)

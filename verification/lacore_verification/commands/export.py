@@ -1,6 +1,7 @@
 """The command ``lacore export``."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING

@@ -1,6 +1,7 @@
 """The command ``lacore new``: starter files."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 import click
 

@@ -1,6 +1,7 @@
-"""Options that several commands share, and how commands print."""
+"""Options of several commands, and their output."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 import json
 import signal
@@ -29,12 +30,12 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def name_list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
-    """Names between commas: a callback of options."""
+    """Return the names between commas; a callback of options."""
     return [name.strip() for name in (value or "").split(",") if name.strip()]
 
 
 def names_option(name: str, text: str) -> Callable[[_Command], _Command]:
-    """An option that takes names between commas."""
+    """Return an option for names between commas."""
     return click.option(name, callback=name_list, metavar="A,B", help=text)
 
 
@@ -46,7 +47,7 @@ backends_option = names_option(
 
 
 def drawn_options(things: str, shares: str, default: int) -> Callable[[_Command], _Command]:
-    """Gives a command `count` and `seed` of what is drawn at random."""
+    """Return a decorator that adds the options `count` and `seed` of random problems."""
 
     def given(command: _Command) -> _Command:
         seed = click.option(
@@ -63,7 +64,7 @@ def drawn_options(things: str, shares: str, default: int) -> Callable[[_Command]
 
 
 def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
-    """Gives a command its folder as the argument `out`."""
+    """Return a decorator that adds the folder option `out`."""
     return click.option(
         "--out",
         type=click.Path(path_type=Path),
@@ -141,7 +142,7 @@ cases_option = click.option(
     multiple=True,
     metavar="FOLDER",
     callback=_gathered,
-    is_eager=True,  # names of cases are looked up in it
+    is_eager=True,  # Names of cases are looked up in it.
     help="Folder with your own cases: each Python file in it defines a variable CASE or CASES. Can"
     " be given several times. Cases of installed packages (entry-point group lacore.cases) are"
     " always included.",
@@ -158,7 +159,7 @@ def _existing(
 
 
 def named_cases(metavar: str, required: bool = False) -> Callable[[_Command], _Command]:
-    """Gives a command with the `cases_option` the argument `cases`: names that exist."""
+    """Return a decorator that adds the argument `cases`, existing names, and `cases_option`."""
     return click.argument("cases", nargs=-1, required=required, metavar=metavar, callback=_existing)
 
 
@@ -178,12 +179,12 @@ jobs_option = jobs_option_with()
 
 
 def print_json(document: Any) -> None:
-    """One strict document on stdout."""
+    """Print one strict JSON document on stdout."""
     click.echo(json.dumps(strict(document), indent=1, allow_nan=False))
 
 
 def strict(value: Any) -> Any:
-    """JSON has no NaN (null here) and no infinity (a string here)."""
+    """Return a value for JSON, which has no NaN (null here) and no infinity (a string here)."""
     if isinstance(value, dict):
         return {name: strict(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -194,7 +195,7 @@ def strict(value: Any) -> Any:
 
 
 class _Terminated(KeyboardInterrupt):
-    """SIGTERM; like Ctrl-C, nothing but the end of a command catches it."""
+    """SIGTERM; as for Ctrl-C, only the end of a command handles it."""
 
 
 @contextmanager
@@ -203,7 +204,7 @@ def resumable(store: Path, save: Callable[[], object] = lambda: None) -> Iterato
 
     Args:
         store: The file in which finished runs are.
-        save: Writes what can be written without the missing runs.
+        save: Writes all results that do not need the missing runs.
     """
     try:
         with _sigterm_raised():

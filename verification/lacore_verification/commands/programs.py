@@ -1,6 +1,6 @@
 """The command ``lacore programs``."""
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+from __future__ import annotations  # Annotations are not evaluated, so they do not load lacore.
 
 from collections.abc import Sequence
 from dataclasses import asdict

@@ -18,9 +18,9 @@ from lacore_verification.commands.options import (
 from lacore_verification.usage import folder, whole
 
 VERIFIED = Path("reports/verify")
-"""Where `lacore verify` writes by default."""
+"""Default folder of `lacore verify`."""
 COMPARED = Path("reports/compare")
-"""Where `lacore compare` writes by default."""
+"""Default folder of `lacore compare`."""
 
 pictures_option = click.option(
     "--pictures",
@@ -217,7 +217,7 @@ def require_results(field: str, results: Path) -> None:
 
 
 def _no_results(names: Sequence[str], results: Path) -> la.InputError:
-    """Return the error that tells which command produces the missing results."""
+    """Return the error that names the command for the missing results."""
     from lacore_verification.harness.store.store import NAME
 
     words = ["lacore", "verify", *names, *([] if results == VERIFIED else ["--out", str(results)])]

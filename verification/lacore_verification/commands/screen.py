@@ -1,6 +1,7 @@
-"""The summary on the terminal: a line for each case, what fell short and why, where the rest is."""
+"""Summary on the terminal: a line for each case, failures with reasons, and the report folder."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
@@ -20,14 +21,14 @@ if TYPE_CHECKING:
     from lacore_verification.harness.store.versions import Version
 
 LINES = 60
-"""That an answer takes at most."""
+"""Largest number of lines of a summary."""
 WIDTH = 120
 """Characters of a line."""
 _VARIANTS = 42  # lines for cases; with more variants each case gets one
-_NAMES = 9  # of them for names alone, where cases are still more
+_NAMES = 9  # lines for names alone, if there are still more cases
 _RATES = 4  # lines for the rates of backends
 _CHANGES = 20  # lines for runs that changed from one version to the next
-_REASONS = 7  # lines for what fell short
+_REASONS = 7  # lines for failures
 _NAME = 30
 _STYLES = {PASS: "", FAIL: "bold red"}
 _CASES = (
@@ -54,21 +55,22 @@ _VERSIONS = (
 
 
 def table_console() -> Console:
-    """Stdout, at least as wide as the table of results: piped output must not be cut."""
+    """Return stdout, at least as wide as the table of results, so that pipes do not cut it."""
     console = Console()
     console.width = max(console.width, WIDTH)
     return console
 
 
 def print_line(console: Console, text: str, style: str = "") -> None:
-    """One line, neither cut nor wrapped."""
+    """Print one line, neither cut nor wrapped."""
     console.print(text, style=style, highlight=False, markup=False, soft_wrap=True)
 
 
 def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
-    """Print a line for each variant, or for the worst of each case; then what fell short.
+    """Print a line for each variant, or for the worst of each case, and then failures.
 
-    Failures come first, then the largest errors. Of many cases those that come last are named only.
+    Failures come first, then the largest errors. If there are many cases, the last ones are only
+    named.
     """
     folded = len(found) > _VARIANTS
     cases = _by_case(found) if folded else [[own] for own in found]
@@ -105,7 +107,7 @@ def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
 
 
 def proven(summary: VariantSummary) -> str:
-    """The bracket that is proven, or the bound, or else the value that was found."""
+    """Return the proven bracket, or the bound, or else the value."""
     lower, upper, value = summary.lower, summary.upper, summary.value
     straight = "~" if summary.bounded == DISCRETE else ""
     if isfinite(lower) and isfinite(upper):
@@ -125,7 +127,7 @@ def _by_case(found: Sequence[VariantSummary]) -> list[list[VariantSummary]]:
 
 
 def show_shortfalls(console: Console, shortfalls: Sequence[Shortfall]) -> None:
-    """What failed, gave no result or was skipped, and why: each reason once, in a few lines."""
+    """Print failed, missing and skipped results with reasons: each reason once, in a few lines."""
     grouped: dict[tuple[str, str, str], list[Shortfall]] = {}
     for verdict in (FAIL, NO_RESULT, SKIPPED):
         for short in (one for one in shortfalls if one.verdict == verdict):
@@ -190,7 +192,7 @@ def _shown(value: float, form: str) -> str:
 
 
 def show_end(console: Console, count: str, places: Mapping[str, object], after: str) -> None:
-    """How many ended how, where the rest is, and what to ask next."""
+    """Print the counts of verdicts, the places of files, and the next command."""
     print_line(console, count)
     for name, place in places.items():
         print_line(console, f"{name + ':':9}{place}")

@@ -1,6 +1,7 @@
 """The command ``lacore solve``."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -212,7 +213,7 @@ def solve(
 def _followed(
     stated: Stated, backend: str | None, place: Path, as_json: bool, more: dict[str, Any]
 ) -> int:
-    """Follow the path that a file states, print it, and return the exit code."""
+    """Follow the path of a file, print it, and return the exit code."""
     from lacore_verification.harness import progress
     from lacore_verification.report.problems import following, path_page, writing
 

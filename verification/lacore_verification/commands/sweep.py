@@ -1,6 +1,7 @@
 """The command ``lacore sweep``."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
@@ -158,7 +159,7 @@ def sweep(
 
 
 def _folders(known: Catalogue) -> list[Path]:
-    """Where cases of users are."""
+    """Return the folders of users' cases."""
     paths = [Path(source) for source in known.sources.values()]
     return sorted({path.parent for path in paths if path.is_file()})
 
@@ -185,7 +186,7 @@ def _document(
 
 
 def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
-    """Slopes of the errors of T19 against each penalty that was varied."""
+    """Return the slopes of the errors of T19 against each penalty that was varied."""
     varied = [
         f"option_{name}"
         for name in PENALTIES
@@ -195,7 +196,7 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
         return []
     import pandas as pd
 
-    # Here, because it takes most of a second that other sweeps need not wait for.
+    # imported here, because it takes most of a second that other sweeps do not need
     from lacore_verification.harness.analysis.exact import with_exact
     from lacore_verification.harness.analysis.slope_fits import regularisation_slopes
 
@@ -205,17 +206,17 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 
 
 def _orders(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
-    """How errors of paths fall with their steps, where these were varied."""
+    """Return the orders of the errors of paths in their steps, if these were varied."""
     if len({o.run.parameters["steps"] for o in outcomes if o.run.case.path is not None}) < 2:
         return []
-    # Here, because it takes most of a second that other sweeps need not wait for.
+    # imported here, because it takes most of a second that other sweeps do not need
     from lacore_verification.harness.analysis.stepping import step_orders
 
     return step_orders(_results(out, outcomes)).to_dict("records")  # type: ignore[return-value]
 
 
 def _results(out: Path, outcomes: Sequence[Outcome]) -> pd.DataFrame:
-    """Those of a sweep, of all that are in its folder."""
+    """Return all results in the folder of a sweep."""
     from lacore_verification.harness.store.results import load_results
 
     keys = {outcome.run.key for outcome in outcomes}

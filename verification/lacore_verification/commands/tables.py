@@ -1,4 +1,4 @@
-"""Tables that the commands show on stdout."""
+"""Tables of commands on stdout."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,9 +40,9 @@ _FITTED = (
 
 
 def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
-    """Table of all rows, a heading for each case and variant; then what did not pass, and why.
+    """Print a table of all rows with a heading for each case and variant, then failures.
 
-    A heading names the reference interval, where there is one.
+    A heading names the reference interval, if there is one.
     """
     console.print(heads(_RUNS), style="bold", highlight=False, markup=False)
     before = ""
@@ -68,7 +68,7 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
 
 
 def _notes(row: Row) -> Iterator[str]:
-    """Yield what else is known of a row."""
+    """Yield further results of a row."""
     if row.options:
         yield f"options: {row.options}"
     if row.answered_by not in ("", row.backend):
@@ -99,7 +99,7 @@ def _show_reasons(console: Console, outcomes: Sequence[Outcome]) -> None:
 
 
 def _standing(row: Row) -> str:
-    """What is proven of a structure that is not proven to stand."""
+    """Return the proven status of a structure that is not proven to stand."""
     text = f"dead loads alone: {row.standing}"
     if isnan(row.carried_low):
         return text
@@ -115,7 +115,7 @@ def _expected(row: Row) -> float | str:
 
 
 def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
-    """How many runs of each case and backend ended how; then what did not pass, and why."""
+    """Print the number of runs by verdict for each case and backend, then failures."""
     counts: dict[tuple[str, str, str], Counter[str]] = {}
     for row in (outcome.row for outcome in outcomes):
         counts.setdefault((row.case, row.backend, row.coupling), Counter())[row.status] += 1
@@ -148,7 +148,7 @@ def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
 
 
 def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
-    """Fitted slopes, a line each; where there is none, why."""
+    """Print fitted slopes, one line each, or why there is none."""
     shown = (
         Column("case", width=35),
         Column("mesh", width=8),
@@ -172,7 +172,7 @@ def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
 
 
 def show_step_orders(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
-    """Orders of paths in their steps, a line each; where there is none, why."""
+    """Print orders of paths in their steps, one line each, or why there is none."""
     shown = (
         Column("case", width=22),
         Column("path", width=34),
@@ -197,7 +197,7 @@ def show_step_orders(console: Console, records: Sequence[Mapping[str, Any]]) -> 
 
 
 def show_couplings(console: Console, couplings: "pd.DataFrame") -> None:
-    """How each coupling fared: how many runs it certified, and with how many inner solves."""
+    """Print how many runs each coupling certified, and with how many inner solves."""
     shown = (
         Column("coupling", width=12),
         Column("backend", width=20),
@@ -214,7 +214,7 @@ def show_couplings(console: Console, couplings: "pd.DataFrame") -> None:
 
 
 def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
-    """A plain table of records of one shape."""
+    """Print a plain table of records of one shape."""
     table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     for name in records[0] if records else ():
         table.add_column(name)

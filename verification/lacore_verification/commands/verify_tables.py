@@ -84,7 +84,7 @@ def _label(found: Finding) -> str:
 
 
 def _worst(findings: Sequence[Finding], checks: Sequence[str]) -> Finding | None:
-    """Of these checks the one that measured most; None where none measured anything."""
+    """Return the finding with the largest measure of these checks; None without one."""
     found = [one for one in findings if one.check in checks and isfinite(one.measured)]
     return max(found, key=lambda one: abs(one.measured), default=None)
 
@@ -127,7 +127,7 @@ def show_findings(console: Console, findings: Sequence[Finding]) -> None:
 
 
 def _verdict(checks: Mapping[str, Finding]) -> str:
-    """What has failed, or has no result or no reference, has not passed."""
+    """Return the overall verdict: without result or reference, a check has not passed."""
     verdicts = {found.verdict for found in checks.values()}
     return next(kind for kind in (FAIL, NO_RESULT, NO_REFERENCE, PASS, SKIPPED) if kind in verdicts)
 

@@ -1,6 +1,6 @@
-"""The conformance suite: small programs solved by hand that every backend must get right.
+"""Conformance suite: small programs with analytical solutions that every backend must solve.
 
-`run` gives a table of findings on a backend, `require` raises where one failed::
+`run` returns a table of findings on a backend, `require` raises if one failed::
 
     from lacore_verification import conformance
 

@@ -1,4 +1,4 @@
-"""Contact points on a plane, solved by hand; and what a loop asks of them, solve after solve."""
+"""Contact points on a plane with analytical solutions, and a sequence of solves in a loop."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ from lacore_verification.conformance.worked import (
 def _contact() -> list[Worked]:
     end_rows = ([[1, 0, 0], [0, 1, 0]], [[[0, 0, 1]], [[0, 0, 1]]])
     beam = program([], points(*end_rows, [1, 0.5]), [-1, 2, 1], [-3, -1, 0])
-    rise = 0.8 - 0.4 * 0.6  # horizontal velocity per slip under dilatancy 0.4
+    rise = 0.8 - 0.4 * 0.6  # horizontal velocity per slip for a dilatancy of 0.4
     pressed = W / (LENGTH * rise)
     solid = points([[0.36, 0.48, 0.8]], [[[0.8, -0.6, 0], [0.48, 0.64, -0.6]]], [LENGTH])
     pushed = np.array([0.8, -0.6, 0]) * 0.6 + np.array([0.48, 0.64, -0.6]) * 0.8
@@ -161,7 +161,7 @@ def _contact() -> list[Worked]:
 
 
 def _mixed() -> Worked:
-    """Plasticity and contact: a block on the plane, tied to the ground by a cone.
+    """Return plasticity and contact: a block on the plane, tied to the ground by a cone.
 
     min 2.4 |U| - Fd.U with F0 = (0.8, 0.6) up the plane: alpha = F + 3 + 2.4 for u = t; the cone
     pulls back along t with 2.4, so across the plane only the weight acts: L t_n = 4.
@@ -181,7 +181,7 @@ def _mixed() -> Worked:
         stress=([[2.4, 1.8]],),
         normal_reaction=[2],
         tangential_reaction=[[-0.7]],
-        isostatic=False,  # penetration turns the softened flow of the cone
+        isostatic=False,  # Penetration changes the direction of the softened flow of the cone.
     )
 
 
@@ -189,12 +189,15 @@ CONTACT = (*_contact(), _mixed())
 
 
 def two_blocks() -> KinematicProgram:
-    """Two bodies on planes of their own: one is pushed along x, the other just lies there."""
+    """Return two bodies on separate planes: one is pushed along x, the other is at rest."""
     return slope([1, 0, 0, 0], [*WEIGHT, *WEIGHT], copies=2)
 
 
 def sequence() -> list[Worked]:
-    """What a loop may ask of one prepared solver: bounds, then rows, then what has no answer."""
+    """Return the requests of a loop to one prepared solver.
+
+    Bounds, then rows, then unsolvable ones.
+    """
 
     def ask(what: str, pushed: float, lying: float, dilatancy: float = 0.0) -> Worked:
         held = replace(frozen([pushed, lying]), dilatancy=np.array([dilatancy, 0.0]))

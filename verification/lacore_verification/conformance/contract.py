@@ -1,4 +1,4 @@
-"""What a backend promises beside its numbers: limits, bad data, repeated solves, its own papers."""
+"""Requirements on a backend other than its numbers: limits, bad data, repeated solves."""
 
 import warnings
 from collections.abc import Callable, Iterator
@@ -46,23 +46,23 @@ from lacore_verification.conformance.worked import (
     slope,
 )
 
-_PATIENCE = 10.0  # s that a solve of a program of a few unknowns may take before it is stopped
-_NO_HOPE = 1.0  # s for one that has no answer
+_PATIENCE = 10.0  # s, limit for a solve of a program with a few unknowns
+_NO_HOPE = 1.0  # s, limit for one without a solution
 _AT_ONCE = 1e-9  # s
 _CLAIMS = (Status.SOLVED, Status.ALMOST_SOLVED, Status.LOCKED, Status.UNSAFE, Status.FREE)
 
 
 @dataclass(frozen=True)
 class Bench:
-    """Where a backend is put to work."""
+    """Test bench of a backend."""
 
     subject: Subject
 
     def prepare(self, given: KinematicProgram, **options: Any) -> PreparedSolver:
-        """The backend at work on a program.
+        """Return the backend prepared for a program.
 
         Raises:
-            CapabilityError: it cannot take it.
+            CapabilityError: it does not support it.
         """
         backend = self.subject.backend
         check_capable(backend, given)
@@ -73,7 +73,7 @@ class Bench:
         return backend.prepare(given, read)
 
     def answer(self, given: KinematicProgram, contact: FrozenContact, **options: Any) -> Any:
-        """The answer of a solver that does nothing else."""
+        """Return the answer of a solver that is used once."""
         solver = self.prepare(given, **options)
         answer = solved(solver, contact)
         solver.close()
@@ -81,14 +81,14 @@ class Bench:
 
 
 def solved(solver: PreparedSolver, contact: FrozenContact) -> Any:
-    """The answer, without what it warns of: a number that overflows on the way proves nothing."""
+    """Return the answer without warnings, as overflow in between is not an error."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         return solver.solve(contact)
 
 
 def worked_exercise(worked: Worked) -> Callable[[Bench], Iterator[Finding]]:
-    """One program of the table."""
+    """Return the exercise of one program of the table."""
 
     def exercise(bench: Bench) -> Iterator[Finding]:
         if bench.subject.regularised and worked.unsoftened:
@@ -99,7 +99,7 @@ def worked_exercise(worked: Worked) -> Callable[[Bench], Iterator[Finding]]:
 
 
 def repeated_solves(bench: Bench) -> Iterator[Finding]:
-    """One solver asked again and again answers like one that is new."""
+    """Yield findings on whether repeated solves equal those of a new solver."""
     first = sequence()[0]
     solver = bench.prepare(first.program)
     for worked in sequence():
@@ -108,7 +108,7 @@ def repeated_solves(bench: Bench) -> Iterator[Finding]:
 
 
 def repeated_steps(bench: Bench) -> Iterator[Finding]:
-    """As `repeated_solves`, within a step of a path."""
+    """Yield findings as `repeated_solves`, within a step of a path."""
     solver = bench.prepare(closing_and_hardening(0.0).program)
     for limit in (0.7, 0.2, 0.2, 1.1):
         worked = closing_and_hardening(limit)
@@ -118,7 +118,10 @@ def repeated_steps(bench: Bench) -> Iterator[Finding]:
 
 
 def hardening(bench: Bench) -> Iterator[Finding]:
-    """A program that hardens is taken by whoever says so, and refused in words by the others."""
+    """Yield findings on a program with hardening.
+
+    Solved if supported, else rejected with a message.
+    """
     name, can = "hardening", bench.subject.backend.capabilities.hardening
     try:
         bench.prepare(two_that_harden().program).close()
@@ -130,7 +133,7 @@ def hardening(bench: Bench) -> Iterator[Finding]:
 
 
 def surfaces(bench: Bench) -> Iterator[Finding]:
-    """Strength that depends on pressure is taken by whoever says so, and refused by the others."""
+    """Yield findings on pressure-dependent strength: solved if supported, else rejected."""
     name, can = "surfaces", bench.subject.backend.capabilities.surfaces
     try:
         bench.prepare(mohr_coulomb().program).close()
@@ -142,7 +145,7 @@ def surfaces(bench: Bench) -> Iterator[Finding]:
 
 
 def two_solvers(bench: Bench) -> Iterator[Finding]:
-    """Two solvers of one backend, asked in turn, after a third was closed unused."""
+    """Yield findings on two solvers of one backend, used in turn, after a third was closed unused."""
     bench.prepare(_FRICTION.program).close()
     steep, other = (
         _friction(1.0, "two solvers: first"),
@@ -159,7 +162,7 @@ def two_solvers(bench: Bench) -> Iterator[Finding]:
 
 
 def _friction(load: float, name: str) -> Worked:
-    """Pushed up the plane with `load` along x: alpha = (F + 3)/(0.8 load)."""
+    """Return a body pushed up the plane with `load` along x: alpha = (F + 3)/(0.8 load)."""
     g = 0.7
     return Worked(
         name, "", slope([load, 0]), frozen([g]), load_factor=(LENGTH * g + 3) / (0.8 * load)
@@ -167,19 +170,19 @@ def _friction(load: float, name: str) -> Worked:
 
 
 def iteration_limit(bench: Bench) -> Iterator[Finding]:
-    """One iteration is not enough: say so, or prove the contrary."""
+    """Yield findings on a limit of one iteration, which must be reported or be sufficient."""
     if not _has_option(bench, "max_iterations"):
         raise la.CapabilityError("it has no option `max_iterations`")
     yield from _limited(bench, Status.ITERATION_LIMIT, max_iterations=1)
 
 
 def time_limit(bench: Bench) -> Iterator[Finding]:
-    """A nanosecond is not enough: whoever looks at a clock once an iteration will know."""
+    """Yield findings on a time limit of a nanosecond, which a clock check per iteration detects."""
     yield from _limited(bench, Status.TIME_LIMIT, time_limit=_AT_ONCE)
 
 
 def _limited(bench: Bench, wanted: Status, **option: float) -> Iterator[Finding]:
-    """No clock is looked at here: but a solver does not iterate on without a look at its own."""
+    """Yield findings on a limit: a solver must check its limit in each iteration."""
     can = bench.subject.backend.capabilities
     given = many_cones(1 if can.max_cone == 1 else 2)
     raw = bench.answer(given, frozen(), **option)
@@ -196,7 +199,7 @@ def _limited(bench: Bench, wanted: Status, **option: float) -> Iterator[Finding]
 
 
 def nan_in_the_program(bench: Bench) -> Iterator[Finding]:
-    """Refused with the name of the array, before the backend sees it."""
+    """Yield findings on NaN in a program, which is rejected before the backend sees it."""
     name = "NaN in the program"
     bad = np.array([0.6, np.nan])
     for what, given in (
@@ -222,7 +225,7 @@ def _with_nan_rows(given: KinematicProgram) -> KinematicProgram:
 
 
 def declaration(bench: Bench) -> Iterator[Finding]:
-    """What a backend says of itself is there, and of the right kind."""
+    """Yield findings on the description of a backend: complete and of the correct types."""
     name, backend = "declaration", bench.subject.backend
     for what in ("name", "title", "source"):
         text = getattr(backend, what)
@@ -243,7 +246,7 @@ def declaration(bench: Bench) -> Iterator[Finding]:
 
 
 def options(bench: Bench) -> Iterator[Finding]:
-    """Options are a frozen dataclass with defaults that refuses nonsense by name."""
+    """Yield findings on options: a frozen dataclass with defaults that rejects invalid values."""
     name, backend = "options", bench.subject.backend
     if not is_dataclass(backend.Options):
         yield said(name, "dataclass", False, f"{backend.Options!r} is no dataclass")
@@ -285,7 +288,7 @@ def _refused(bench: Bench, option: str, value: object) -> Finding:
 
 
 def separate_process(bench: Bench) -> Iterator[Finding]:
-    """The class can be imported by its name, and what it says and answers is plain data."""
+    """Yield findings on processes: an importable class, with plain data in its answers."""
     name, backend = "separate process", bench.subject.backend
     kind = type(backend)
     try:
@@ -311,7 +314,7 @@ def separate_process(bench: Bench) -> Iterator[Finding]:
 
 
 def warm_up(bench: Bench) -> Iterator[Finding]:
-    """`warm_up`, where there is one, may be called before each solve."""
+    """Yield findings on `warm_up`, if present, which may be called before each solve."""
     name, backend = "warm-up", bench.subject.backend
     fault = ""
     try:
@@ -336,7 +339,7 @@ def warm_up(bench: Bench) -> Iterator[Finding]:
 
 
 def _equal(one: ProgramState | None, other: ProgramState | None) -> bool:
-    """To the last bit, NaN with NaN."""
+    """Return whether states are equal to the last bit, with NaN equal to NaN."""
     if one is None or other is None:
         return one is other
     try:
@@ -347,7 +350,7 @@ def _equal(one: ProgramState | None, other: ProgramState | None) -> bool:
 
 
 def left_running(bench: Bench) -> Iterator[Finding]:
-    """Neither threads nor processes remain when a solver is closed."""
+    """Yield findings on threads and processes that remain after a solver is closed."""
     backend = bench.subject.backend
     if not isinstance(backend, IsolatedBackend):
         raise la.CapabilityError("it works in the process of the caller, which has its own threads")
@@ -386,7 +389,7 @@ def _checked(bench: Bench, given: KinematicProgram, raw: object) -> InnerSolutio
 
 
 def examine(bench: Bench, exercise: str) -> list[Finding]:
-    """All findings of one exercise, whatever happens."""
+    """Return all findings of one exercise, including any error."""
     found: list[Finding] = []
     try:
         found.extend(EXERCISES[exercise](bench))

@@ -1,9 +1,9 @@
-"""What a step of a path adds (T29), solved by hand: hardening, and contact points at a distance.
+"""Features of a step of a path (T29) with analytical solutions: hardening, distant contact.
 
 A cone of weight w, bound c and modulus h costs ``w (c L + h L^2/2)`` at the length L of its strain
-rate, and its stress there is ``c + h L``. The load factor is a multiplier: what the cost rises by
-when ``F0.U = 1`` becomes a little more. Softened by a stiffness K, the cone takes ``L = p + s/K``,
-``s = c + h p``. Bodies on the plane as in `worked`, the plane below them.
+rate, and its stress there is ``c + h L``. The load factor is a multiplier: the increase of the cost
+for a small increase of ``F0.U = 1``. Softened by a stiffness K, the cone has ``L = p + s/K``, ``s =
+c + h p``. Bodies are on the plane of `worked`.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def hardening(
     moduli: Sequence[float],
     volumetric: npt.ArrayLike | None = None,
 ) -> DissipationGroup:
-    """Cones as those of `cones`, with moduli."""
+    """Return cones as those of `cones`, with moduli."""
     return replace(cones(rows, weights, bounds, volumetric), modulus=np.array(moduli, dtype=float))
 
 
@@ -47,7 +47,7 @@ def _two() -> list[DissipationGroup]:
 
 
 def two_that_harden() -> Worked:
-    """Two cones that share a load as their hardening says."""
+    """Return two cones that share a load by their hardening."""
     return Worked(
         "hardening shares the load",
         "u_1 + u_2 = 1, 2 (1 + u_1) = (1 + 4 u_2)/2 = alpha: u = (1, 7)/8, alpha = 2.25; softened"
@@ -115,14 +115,14 @@ def _cones() -> list[Worked]:
 
 
 def _above(distance: float, limit: float = 0.0) -> tuple[ContactRows, FrozenContact]:
-    """A point that is to close a distance, with the friction limit of a coupling loop's start."""
+    """Return a point with a distance to close, and the friction limit at the start of a loop."""
     touching = points([NORMAL], [[UPWARD]], [LENGTH])
     rows = replace(touching, closing=np.array([distance]), limit=np.array([limit]))
     return rows, reaction_contact(rows, np.zeros(1))
 
 
 def closing_and_hardening(limit: float) -> Worked:
-    """A body that hardens, closes a distance and slides."""
+    """Return a body with hardening that closes a distance and slides."""
     rows, contact = _above(0.75, limit)
     return Worked(
         "a distance, hardening, friction",

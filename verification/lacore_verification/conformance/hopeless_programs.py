@@ -1,4 +1,4 @@
-"""Programs without an answer: no velocity has ``F0.U = 1``, or the dead loads do unbounded work."""
+"""Programs without a solution: no velocity with ``F0.U = 1``, or unbounded work of dead loads."""
 
 import numpy as np
 

@@ -1,17 +1,17 @@
-"""Judge one answer of a backend: against the numbers by hand, and by recomputed residuals.
+"""Assess one answer of a backend by analytical values, and by recomputed residuals.
 
-What a solver says of itself counts for nothing here but its status. Allowed errors:
+Of the solver's own reports, only the status is used. Allowed errors:
 
-- Exact backends state how exact they are as the default of ``Options.tolerance``, relative on gap
-  and feasibility. An error of the value is at most that times ``1 + |alpha|`` and the sums of all
-  velocities and of all nodal forces, about 50 in these programs; a factor of 2 is for what solvers
-  scale on their own. So 100 tolerances, but no less than `EXACT`, which interior-point and simplex
-  methods must reach whatever they state.
-- Regularised backends are held to `REGULARISED`, the bar of the reaction loop, against their own
+- Exact backends state their accuracy as the default of ``Options.tolerance``, relative on gap and
+  feasibility. The error of the value is at most that times ``1 + |alpha|`` and the sums of all
+  velocities and of all nodal forces, about 50 in these programs; a factor of 2 allows for scaling
+  by solvers. The limit is therefore 100 tolerances, but at least `EXACT`, which interior-point and
+  simplex methods must reach for any stated tolerance.
+- Regularised backends must reach `REGULARISED`, the tolerance of the reaction loop, for their own
   energy: at a velocity where its gradient is ``lambda F0`` a convex energy has its minimum, to the
   square of that.
-- A point is found less exactly than its value where the minimum is round: to the root of it. So is
-  the load factor within a step of a path: no value there but a slope, as of the velocity found.
+- A point is found less accurately than its value if the minimum is smooth: to the root of it. The
+  same applies to the load factor within a step of a path, which is a slope.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ EXACT = 1e-7
 REGULARISED = 1e-6
 R = 1e-2  # one r for all regularised backends, so that their values can be compared
 AMPLIFIED = 100
-_DONE = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is enough
+_DONE = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is sufficient
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Finding:
     """One check of one program.
 
     Attributes:
-        program, check: what was looked at.
-        value: the error found; NaN where it is no number.
-        allowed: the largest that passes.
+        program, check: names of the program and the check.
+        value: the error; NaN without a number.
+        allowed: the largest error that passes.
         verdict: ``pass``, ``FAIL`` or ``skipped``.
-        message: what was expected and what came; why it was skipped.
+        message: expected and actual result, or why it was skipped.
     """
 
     program: str
@@ -59,7 +59,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Subject:
-    """A backend under examination, and what is allowed to it."""
+    """Backend under examination, with its allowed errors."""
 
     backend: Backend
     options: dict[str, Any]
@@ -79,20 +79,20 @@ class Subject:
 
 
 def said(program: str, check: str, holds: bool, message: str) -> Finding:
-    """A finding without a number."""
+    """Return a finding without a number."""
     nan = float("nan")
     return Finding(program, check, nan, nan, PASS if holds else FAIL, "" if holds else message)
 
 
 def measured(program: str, check: str, value: float, allowed: float, message: str) -> Finding:
-    """A finding with a number; NaN fails."""
+    """Return a finding with a number; NaN fails."""
     holds = bool(value <= allowed)
     text = "" if holds else f"{message}: {value:.2g} off, {allowed:.2g} allowed"
     return Finding(program, check, value, allowed, PASS if holds else FAIL, text)
 
 
 def judge(subject: Subject, worked: Worked, raw: object) -> Iterator[Finding]:
-    """All findings on the answer to one program."""
+    """Yield all findings on the answer to one program."""
     program, name = worked.program, worked.name
     answer = checked_answer(program, subject.regularised, raw)
     wanted = worked.status
@@ -136,7 +136,7 @@ def _load_factor(worked: Worked, value: float, allowed: float) -> Finding:
 def _point(
     worked: Worked, point: ProgramState, allowed: float, velocity: bool = True
 ) -> Iterator[Finding]:
-    """Whatever is unique, component by component, per its largest."""
+    """Yield findings on all unique results, component by component, by the largest."""
     pairs: list[tuple[str, Any, Any]] = [
         ("velocity", worked.velocity if velocity else None, point.velocity),
         ("normal reaction", worked.normal_reaction, point.normal_reaction),
@@ -169,18 +169,18 @@ def residuals(
     point: ProgramState,
     allowed: float,
 ) -> Finding:
-    """The largest recomputed residual."""
+    """Return the largest recomputed residual."""
     worst, value = certify(program, point, contact).worst
     return measured(name, "residuals", value, allowed, f"the residual {worst!r} is too large")
 
 
 def _regularised(worked: Worked, answer: InnerSolution, point: ProgramState) -> Iterator[Finding]:
-    """Its velocity is the minimum of the energy at this r, and its numbers are those of it."""
+    """Yield findings on its velocity, the minimum of the energy at this r, and its numbers."""
     program, contact, name = worked.program, worked.contact, worked.name
     penalty = penalties(program.scales, R)
     at = evaluate(program, contact, penalty, point.velocity)
     values = answer.regularised
-    assert values is not None  # `checked_answer` has seen to it
+    assert values is not None  # guaranteed by `checked_answer`
 
     normalisation = abs(float(program.reference_load @ point.velocity) - 1)
     yield measured(name, "F0.U = 1", normalisation, REGULARISED, "the velocity is not normalised")
@@ -205,7 +205,7 @@ def _regularised(worked: Worked, answer: InnerSolution, point: ProgramState) -> 
         ("multiplier", multiplier, values.multiplier),
     ):
         if check == "multiplier" and np.isnan(found):
-            continue  # it reports none
+            continue  # It reports none.
         text = f"{check} {expected:.9g} was expected of its velocity, {found:.9g} came"
         yield measured(name, check, abs(found - expected) / scale, REGULARISED, text)
     yield measured(
@@ -220,7 +220,7 @@ def _regularised(worked: Worked, answer: InnerSolution, point: ProgramState) -> 
 
 
 def _apart(program: KinematicProgram, one: ProgramState, other: ProgramState) -> float:
-    """Largest nodal force by which stresses and reactions of two states differ, none cancelling."""
+    """Return the largest nodal force of the differences of stresses and reactions, in sum."""
     apart = np.zeros(program.n)
     for number, group in enumerate(program.groups):
         stress = np.abs(one.stress[number] - other.stress[number])
@@ -243,10 +243,10 @@ def _by_hand(
     penalty: Penalties,
     scale: float,
 ) -> Iterator[Finding]:
-    """P <= alpha_reg <= lambda <= alpha*, and closed forms where equilibrium gives them.
+    """Yield findings on P <= alpha_reg <= lambda <= alpha*, and analytical values from equilibrium.
 
-    Within a step of a path alpha* is no bound (T19). What is minimised, the `objective` at its
-    velocity, has bounds by weak duality: the exact stresses are admissible here too.
+    Within a step of a path alpha* is not a bound (T19). The minimised `objective` at its velocity
+    has bounds by weak duality, because the exact stresses are admissible here, too.
     """
     assert worked.load_factor is not None
     contact = worked.contact
@@ -257,7 +257,7 @@ def _by_hand(
         shifted = float(worked.program.contact.weights @ (contact.shift * reaction))
     plastic, alpha_reg, load_factor = values.plastic, values.alpha_reg, values.load_factor
     chain = [plastic, alpha_reg, load_factor, *([exact] if worked.program.homogeneous else [])]
-    drop = float(np.max(-np.diff(chain)))  # NaN stays
+    drop = float(np.max(-np.diff(chain)))  # NaN is kept
     came = ", ".join(f"{value:.9g}" for value in chain)
     text = f"P <= alpha_reg <= lambda <= alpha* (T19) came as {came}"
     yield measured(worked.name, "order of T19", max(drop, 0.0) / scale, REGULARISED, text)
@@ -287,7 +287,7 @@ def _by_hand(
 
 
 def _hardening_power(worked: Worked) -> float:
-    """``sum w h ||D U||^2/2`` at the exact velocity: by so much alpha* is above the least cost."""
+    """Return ``sum w h ||D U||^2/2`` at the exact velocity, the excess of alpha* over the cost."""
     if worked.velocity is None or not worked.program.hardens:
         return 0.0
     velocity = np.asarray(worked.velocity, dtype=float)
@@ -298,7 +298,7 @@ def _hardening_power(worked: Worked) -> float:
 
 
 def _complementary_energy(worked: Worked, penalty: Penalties) -> float | None:
-    """C at the exact stresses and reactions; None where they are not all known."""
+    """Return C at the exact stresses and reactions; None if they are not all known."""
     program, energy = worked.program, 0.0
     for number, group in enumerate(program.groups):
         if not group.weights.size:
@@ -317,7 +317,7 @@ def _complementary_energy(worked: Worked, penalty: Penalties) -> float | None:
     weights = program.contact.weights
     energy += float(weights @ np.square(worked.normal_reaction)) / (2 * penalty.normal)
     rubbed = np.linalg.norm(worked.tangential_reaction, axis=1)
-    # Beside a dilatant law the bound is one of its own: both carry their share.
+    # A dilatant law has a separate bound: both carry their shares.
     bound, dilatancy = worked.contact.bound, worked.contact.dilatancy
     beside = np.where(np.isfinite(bound) & (dilatancy > 0), np.minimum(bound, rubbed), 0.0)
     squares = (rubbed - beside) ** 2 + beside**2

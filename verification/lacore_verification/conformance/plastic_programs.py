@@ -1,4 +1,4 @@
-"""Cones alone, solved by hand, and a chain of many that is only to take a while."""
+"""Programs of cones alone with analytical solutions, and a long chain without one."""
 
 import numpy as np
 
@@ -102,7 +102,7 @@ def _plasticity() -> list[Worked]:
 
 
 def _graded(f: Floats) -> Worked:
-    """Elements of size h = 1 ... 1e-4: strain rates as 1/h, weights as h^2, down to 1e-8."""
+    """Return elements of size h = 1 ... 1e-4: strain rates as 1/h, weights as h^2, down to 1e-8."""
     sizes = 10.0 ** -np.arange(5)
     n = 2 * (1 + sizes.size)
     strong, weak, stress = [], [], []
@@ -149,9 +149,10 @@ PLASTIC = tuple(_plasticity())
 
 
 def many_cones(dim: int = 2, count: int = 150) -> KinematicProgram:
-    """No hand calculation: a chain of turned cones of random strength, long enough for limits.
+    """Return a chain of rotated cones of random strength, long enough for tests of limits.
 
-    Node i hangs on node i - 1, and on node i - 7 where there is one; F0 pulls at every node.
+    It has no analytical solution. Node i depends on node i - 1, and on node i - 7 if there is one;
+    F0 acts at every node.
     """
     rng = np.random.default_rng(0)
     n = dim * count

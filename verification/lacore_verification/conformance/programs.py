@@ -1,4 +1,4 @@
-"""Small programs solved by hand: what a backend must find, number by number."""
+"""Small programs with analytical solutions for all results of a backend."""
 
 from lacore_verification.conformance.contact_programs import CONTACT
 from lacore_verification.conformance.hardening_programs import HARDENING

@@ -1,8 +1,8 @@
-"""Rigid blocks and frames in the plane, solved by hand: cones of one row, often no group at all.
+"""Plane rigid blocks and frames with analytical solutions: cones of one row, or no group at all.
 
 A block is 2 wide and 4 high and weighs W = 5; its unknowns are (u_x, u_y, rotation) of its centre.
-It stands on its two lower corners, each with a contact length of 1. Pushed at its centre it tilts
-at alpha = W/2, or slides before.
+It rests on its two lower corners, each with a contact length of 1. Pushed at its centre it tips at
+alpha = W/2, or slides before.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ _LYING = (0.0, -W, 0.0)
 def block(
     groups: Sequence[DissipationGroup] = (), reference: Sequence[float] = (1, 0, 0)
 ) -> KinematicProgram:
-    """A block on its two lower corners, pushed at its centre."""
+    """Return a block on its two lower corners, pushed at its centre."""
     return program(groups, _corners([[0, 1, -1], [0, 1, 1]], [[1, 0, 2]] * 2), reference, _LYING)
 
 
@@ -119,7 +119,7 @@ def _worked() -> list[Worked]:
             load_factor=0.8,
             velocity=[0, 0, 0, 1, 0, 0],
             normal_reaction=[2.6, 7.4, 1.7, 3.3],
-            isostatic=False,  # softened, the lower block gives way too
+            isostatic=False,  # Softened, the lower block gives way, too.
         ),
         Worked(
             "portal",

@@ -1,7 +1,7 @@
-"""Points whose strength depends on pressure (T39, T40), solved by hand.
+"""Points with pressure-dependent strength (T39, T40) with analytical solutions.
 
-Stresses q = ||s|| and P stay within ``q + a_i P <= b_i``, flow is ``||d|| <= sum lam_i`` and
-``theta = sum a_i lam_i`` at the cost ``w sum b_i lam_i``. The angle of friction is that of 3, 4, 5:
+Stresses q = ||s|| and P are within ``q + a_i P <= b_i``, flow is ``||d|| <= sum lam_i`` and ``theta
+= sum a_i lam_i`` at the cost ``w sum b_i lam_i``. The friction angle is that of the 3-4-5 triangle:
 sin(phi) = 0.6. Duals of the rows of d and theta are the stresses s and P.
 """
 
@@ -23,7 +23,7 @@ _WEIGHT = 0.5
 def soil(
     rows: npt.ArrayLike, volumetric: npt.ArrayLike, planes: Sequence[tuple[Sequence[float], float]]
 ) -> DissipationGroup:
-    """One point of weight 1/2; rows of shape (dim, n), volumetric (L, n), planes ``(a_i, b_i)``."""
+    """Return one point of weight 1/2; rows (dim, n), volumetric (L, n), planes ``(a_i, b_i)``."""
     plain = cones(
         np.asarray(rows, dtype=float)[None], [_WEIGHT], [min(strength for _, strength in planes)]
     )
@@ -37,7 +37,7 @@ def soil(
 
 
 def mohr_coulomb() -> Worked:
-    """One point of one surface."""
+    """Return one point with one surface."""
     return Worked(
         "Mohr-Coulomb",
         "q + 0.6 P <= 2, F0 = (0.6, 0.8, 1): d = lam (0.6, 0.8), theta = 0.6 lam, F0.U = 1.6 lam ="
@@ -80,7 +80,7 @@ def _cut_off() -> list[Worked]:
 
 
 def _around() -> Worked:
-    """Two volumetric rates, of the sum and of the third direction, that feel P and t - P."""
+    """Return two volumetric rates, of the sum and of the third direction, with stresses P, t - P."""
     return Worked(
         "Mohr-Coulomb around an axis",
         "b = 2.2, the third stress t is the least: of three planes q + P - t/4 <= 2.75 flows alone,"
@@ -106,7 +106,7 @@ def _around() -> Worked:
 
 
 def _hardens() -> Worked:
-    """What chooses between velocities along paths (T32): the program of `mohr_coulomb`."""
+    """Return the program of `mohr_coulomb` with the choice of velocities along paths (T32)."""
     plain = mohr_coulomb().program
     (group,) = plain.groups
     return Worked(

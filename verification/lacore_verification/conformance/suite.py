@@ -1,4 +1,4 @@
-"""Run the suite over a backend: `run` for a table, `require` for a test of one line."""
+"""Run the suite for a backend: `run` for a table, `require` for a test of one line."""
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
@@ -26,15 +26,15 @@ def run(
     on_start: Callable[[str], None] | None = None,
     process: la.SolverProcess | None = None,
 ) -> pd.DataFrame:
-    """Findings of the suite on a backend: one row a check.
+    """Run the suite for a backend, and return one row per check.
 
-    Columns: `program`, `check`, `value` (the error found), `allowed` (the largest that passes),
-    `verdict` (``pass``, ``FAIL`` or ``skipped``) and `message` (what was expected and what came).
+    Columns: `program`, `check`, `value` (the error), `allowed` (the largest that passes), `verdict`
+    (``pass``, ``FAIL`` or ``skipped``) and `message` (expected and actual result).
 
     Args:
         backend: a registered name, a variant of a family (``cvxpy:SCS``), or a backend itself.
-        options: of the backend; those that a program sets (limits, `r`) are its own.
-        programs: of `EXERCISES`; default: all.
+        options: options of the backend, except those set by a program (limits, `r`).
+        programs: some of `EXERCISES`; default: all.
         on_start: called with the name of each program, for progress; without it a bar appears on
             stderr when the suite takes longer than two seconds.
         process: Let a registered backend work in this process.
@@ -49,8 +49,8 @@ def run(
     tested = la.find_backend(backend, process) if isinstance(backend, str) else backend
     shown = backend if isinstance(backend, str) else tested.name
     if isinstance(tested, IsolatedBackend):
-        with suppress(la.CapabilityError):  # the program "warm-up" reports it
-            tested.start()  # compilation is no part of the time limits of the programs
+        with suppress(la.CapabilityError):  # The program "warm-up" reports it.
+            tested.start()  # Compilation does not count to the time limits of the programs.
     findings: list[Finding] = []
     with ExitStack() as stack:
         if on_start is None:
@@ -72,19 +72,19 @@ def _sentence(backend: str, finding: Finding) -> Finding:
 
 
 def require(backend: str | Backend, options: Mapping[str, Any] | None = None) -> None:
-    """Raise `AssertionError` with all that is wrong with a backend; arguments as those of `run`."""
+    """Raise `AssertionError` with all failures of a backend; arguments as those of `run`."""
     wrong = failures(run(backend, options))
     if wrong:
         raise AssertionError("\n".join(wrong))
 
 
 def failures(findings: pd.DataFrame) -> list[str]:
-    """The sentences of what failed."""
+    """Return the messages of failed checks."""
     return [str(row["message"]) for row in records(findings) if row["verdict"] == FAIL]
 
 
 def by_program(findings: pd.DataFrame) -> list[dict[str, Any]]:
-    """One record a program: its verdict, and the check that came closest to the allowed error."""
+    """Return one record per program: its verdict, and the check closest to its allowed error."""
     programs: dict[str, list[dict[str, Any]]] = {}
     for row in records(findings):
         programs.setdefault(row["program"], []).append(row)
@@ -111,5 +111,5 @@ def _summary(name: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def records(findings: pd.DataFrame) -> list[dict[str, Any]]:
-    """Rows as dictionaries."""
+    """Return the rows as dictionaries."""
     return [{str(key): value for key, value in row.items()} for row in findings.to_dict("records")]

@@ -1,8 +1,8 @@
-"""What a program solved by hand is, and what such programs are built of.
+"""Programs with analytical solutions, and their building blocks.
 
-Contact points stand on a plane that rises at 3 in 4: unit normal n = (-0.6, 0.8) away from it, unit
-tangent t = (0.8, 0.6) up it, so that nothing lies along an axis. A body on it weighs W = 5, that is
-4 against the plane and 3 down it; its contact length is L = 2, so F = L g is its friction.
+Contact points are on a plane that rises at 3 in 4: unit normal n = (-0.6, 0.8) away from it, unit
+tangent t = (0.8, 0.6) up it, so that nothing is parallel to an axis. A body on it weighs W = 5,
+that is 4 against the plane and 3 down it; its contact length is L = 2, so F = L g is its friction.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,22 +25,22 @@ WEIGHT = (0.0, -W)
 
 @dataclass(frozen=True)
 class Worked:
-    """A program and its answer. What is None is not unique, or not known.
+    """Program with its solution. None means not unique, or unknown.
 
     Attributes:
-        name: of the program.
-        hand: the calculation, for a reader with a pencil.
-        program, contact: what the backend is given.
-        status: what it must come to.
+        name: name of the program.
+        hand: the analytical solution.
+        program, contact: arguments of the backend.
+        status: required status.
         load_factor: alpha, the multiplier of ``F0.U = 1``.
         velocity: U, shape (n,).
-        stress: of each group, shape (m, dim).
-        mean_stress: of each group, shape (m,).
+        stress: stresses of each group, shape (m, dim).
+        mean_stress: mean stresses of each group, shape (m,).
         normal_reaction, tangential_reaction: t_n, shape (m,), and t_t, shape (m, tangent_dim).
         isostatic: equilibrium and the yielding cones alone give the load factor, the stresses and
-            the reactions, so that viscosity and penalties change none of them.
-        softened: the load factor of the regularised program at given penalties, where it is known.
-        unsoftened: why no regularised law says this; empty where one does.
+            the reactions, so that they do not depend on viscosity and penalties.
+        softened: load factor of the regularised program for given penalties, if it is known.
+        unsoftened: why no regularised law has this behaviour; empty if one does.
     """
 
     name: str
@@ -67,7 +67,7 @@ def cones(
     factor: float = 1 / np.sqrt(3),
     name: str = "body",
 ) -> DissipationGroup:
-    """A group of cones; rows of shape (m, dim, n), volumetric (m, n), none is a row of zeros."""
+    """Return a group of cones; rows of shape (m, dim, n), volumetric (m, n), by default zeros."""
     stacked = np.asarray(rows, dtype=float)
     count, dim, n = stacked.shape
     theta = np.zeros((count, n)) if volumetric is None else np.asarray(volumetric, dtype=float)
@@ -85,7 +85,7 @@ def cones(
 def points(
     normal: npt.ArrayLike, tangential: npt.ArrayLike, weights: Sequence[float]
 ) -> ContactRows:
-    """Contact points; rows of shape (m, n) and (m, tangent_dim, n). Their laws are frozen."""
+    """Return contact points; rows of shape (m, n) and (m, tangent_dim, n), with frozen laws."""
     n_rows, t_rows = np.asarray(normal, dtype=float), np.asarray(tangential, dtype=float)
     count, dim, n = t_rows.shape
     zero = np.zeros(count)
@@ -102,7 +102,7 @@ def points(
 
 
 def nowhere(n: int) -> ContactRows:
-    """No contact points, for n unknowns."""
+    """Return a contact without points, for n unknowns."""
     return points(np.zeros((0, n)), np.zeros((0, 1, n)), [])
 
 
@@ -112,7 +112,7 @@ def program(
     reference: Sequence[float] | Floats,
     dead: Sequence[float] | Floats | None = None,
 ) -> KinematicProgram:
-    """A program in which every unit is 1."""
+    """Return a program in which every unit is 1."""
     load = np.array(reference, dtype=float)
     weight = np.zeros(load.size) if dead is None else np.array(dead, dtype=float)
     return KinematicProgram(tuple(groups), contact, load, weight)
@@ -121,7 +121,7 @@ def program(
 def frozen(
     bound: Sequence[float] = (), dilatancy: float = 0.0, shift: float = 0.0
 ) -> FrozenContact:
-    """Frozen friction bounds, with one dilatancy and one shift for all points."""
+    """Return frozen friction bounds, with one dilatancy and one shift for all points."""
     g = np.array(bound, dtype=float)
     return FrozenContact(g, np.full(g.size, dilatancy), np.full(g.size, shift))
 
@@ -129,7 +129,7 @@ def frozen(
 def slope(
     reference: Sequence[float], dead: Sequence[float] = WEIGHT, copies: int = 1
 ) -> KinematicProgram:
-    """A body on the plane, one contact point, no plasticity; or several, each on its own."""
+    """Return a body on the plane, one contact point, no plasticity; or several, separately."""
     return program(
         [],
         points(

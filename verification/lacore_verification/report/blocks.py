@@ -1,6 +1,6 @@
-"""What pages are made of: plain data, shown as HTML by `document`, written to files by `files`.
+"""Contents of pages as plain data, shown as HTML by `document`, written to files by `files`.
 
-Every text in here is shown as text: names and messages may come from anywhere.
+All texts are escaped, because names and messages may come from anywhere.
 """
 
 import struct
@@ -21,12 +21,13 @@ class Table:
     """Rows of a DataFrame.
 
     Attributes:
-        columns: what to show, in this order.
-        data: has these columns, and those that they and `anchor` name.
-        caption: above the table; empty for none.
-        anchor: makes each row a place to link to.
+        columns: columns in this order.
+        data: table with these columns, and those that they and `anchor` use.
+        caption: caption above the table; may be empty.
+        anchor: anchors of the rows for links.
         sortable: whether a reader can sort it.
-        stacked: Whether a narrow page shows the cells of a row below each other, with their heads.
+        stacked: Whether a narrow page shows the cells of a row below each other, with their
+            headings.
         card: Column that names the card to which a row belongs, see `Card.name`; empty for none.
     """
 
@@ -40,8 +41,8 @@ class Table:
 
     @cached_property
     def records(self) -> list[dict[str, Any]]:
-        """Its rows: of each the columns that are shown, and those that they refer to."""
-        # As `to_dict("records")`, which takes four times as long for a wide table of few rows.
+        """Its rows, each with the shown columns and those that they use."""
+        # `to_dict("records")` takes four times as long for a wide table of few rows.
         names = [str(name) for name in self.data.columns if name in self._used]
         cells = [self.data[name].tolist() for name in names]
         return [dict(zip(names, row, strict=True)) for row in zip(*cells, strict=True)]
@@ -55,7 +56,7 @@ class Table:
 
     @property
     def values(self) -> list[list[Any]]:
-        """Values of its cells, by row; None where there is none."""
+        """Values of its cells, by row; None if missing."""
         rows = ([record[column.name] for column in self.columns] for record in self.records)
         return [[None if is_missing(value) else value for value in row] for row in rows]
 
@@ -72,13 +73,13 @@ class Table:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A chart under its title.
+    """A chart with a title.
 
     Attributes:
-        name: of a file of it, without suffix.
-        caption: its title.
-        chart: its lines.
-        note: what else must be known to read it, below.
+        name: name of its file, without suffix.
+        caption: title.
+        chart: chart.
+        note: explanation below it.
     """
 
     name: str
@@ -89,14 +90,14 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture in pixels, a file that all pages share.
+    """A bitmap, in a file that all pages share.
 
     Attributes:
         name: Unique name, from which the name of the file is made.
         caption: What the picture shows.
         data: The PNG.
-        thumbnail: The same drawn for a list; None for none.
-        shown_at: Pixels of the page for each pixel of the file, 1/2 of pictures for dense screens.
+        thumbnail: The same, drawn for a list; may be None.
+        shown_at: Pixels of the page for each pixel of the file, 1/2 for pictures for dense screens.
     """
 
     name: str
@@ -114,14 +115,14 @@ class Picture:
 
 @dataclass(frozen=True)
 class Gallery:
-    """Charts and pictures, side by side where there is room."""
+    """Charts and pictures, side by side if they fit."""
 
     items: Sequence[Drawing | Picture]
 
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; its `lead` stands in bold on a line before it, `soft` marks an aside."""
+    """A paragraph; its `lead` is a bold line before it, and `soft` marks a note."""
 
     text: str
     lead: str = ""
@@ -130,7 +131,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Html:
-    """HTML that we have written ourselves."""
+    """HTML of our own."""
 
     markup: Markup
 
@@ -144,11 +145,11 @@ class Heading:
 
 @dataclass(frozen=True)
 class Preformatted:
-    """Text in which columns matter: a calculation by hand, a sketch.
+    """Text with aligned columns: an analytical calculation, or a sketch.
 
     Attributes:
-        text: of it.
-        sketch: what it is a picture of, for those who cannot see it; empty: it is to be read.
+        text: the text.
+        sketch: description of a sketch for readers who cannot see it; empty for other text.
     """
 
     text: str
@@ -157,7 +158,7 @@ class Preformatted:
 
 @dataclass(frozen=True)
 class Link:
-    """A line of a list: what is linked, the id that it leads to, and what is said of it."""
+    """A line of a list: link text, target id, and description."""
 
     text: str
     target: str
@@ -173,7 +174,7 @@ class Links:
 
 @dataclass(frozen=True)
 class Page:
-    """A line of a list of pages: its title, its file in the report, what is said of it."""
+    """A line of a list of pages: title, file in the report, and description."""
 
     title: str
     file: str
@@ -193,7 +194,7 @@ class Card:
 
     Attributes:
         page, picture, table: The other page, its thumbnail and its results.
-        mood, name: As in `Section`; name that rows of tables use for the card.
+        mood, name: As in `Section`; name by which rows of tables refer to the card.
         tags, verdicts, seconds: Tags, verdicts and solve time for `Filters`.
         runs: Different ``backend``, tabulator, ``verdict`` of the runs, for `Filters`.
     """
@@ -218,7 +219,7 @@ class Cards:
 
 @dataclass(frozen=True)
 class Filters:
-    """Controls that search, filter and order the cards of a page; its address keeps their state.
+    """Controls that search, filter and order the cards of a page; its address stores their state.
 
     Attributes: A solver also hides the rows of others in tables with a column ``backend``.
         tags, verdicts, solvers: Values to choose from.
@@ -233,14 +234,14 @@ class Filters:
 
 @dataclass(frozen=True)
 class Facts:
-    """Names and what they are, two columns."""
+    """Names and values in two columns."""
 
     items: Mapping[str, str]
 
 
 @dataclass(frozen=True)
 class Count:
-    """How many ended in which way, and whether that is ``good``, ``bad`` or ``mild``."""
+    """Number of results with one verdict, which is ``good``, ``bad`` or ``mild``."""
 
     number: int
     label: str
@@ -249,14 +250,14 @@ class Count:
 
 @dataclass(frozen=True)
 class Tally:
-    """Counts, large, and a bar of their shares."""
+    """Large counts, and a bar of their shares."""
 
     counts: Sequence[Count]
 
 
 @dataclass(frozen=True)
 class Details:
-    """Blocks that are folded away until asked for; open in print."""
+    """Blocks that are collapsed until opened; open in print."""
 
     title: str
     blocks: Sequence["Block"]
@@ -264,7 +265,7 @@ class Details:
 
 @dataclass(frozen=True)
 class Columns:
-    """Two columns, one below the other where the page is narrow."""
+    """Two columns, stacked if the page is narrow."""
 
     left: Sequence["Block"]
     right: Sequence["Block"]
@@ -278,14 +279,14 @@ Block = (
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page that the list of contents links to.
+    """A part of a page with an entry in the list of contents.
 
     Attributes:
-        id: unique on the page; other texts link to it.
+        id: unique id on the page for links.
         title: heading.
-        blocks: what is in it.
+        blocks: contents.
         lead: one line below the heading.
-        mood: ``good``, ``bad`` or ``mild``: how the list of contents marks it; empty: not at all.
+        mood: ``good``, ``bad`` or ``mild``, its mark in the list of contents; empty for no mark.
     """
 
     id: str
@@ -300,11 +301,11 @@ class Document:
     """A page.
 
     Attributes:
-        title: heading and title of the window.
+        title: heading, and title of the window.
         lead: one sentence below it.
-        summary: what a reader sees first, above the list of contents.
-        sections: everything else.
-        trail: pages to go to from here: the one above, its neighbours.
+        summary: blocks above the list of contents.
+        sections: all other contents.
+        trail: linked pages: the parent, and neighbours.
     """
 
     title: str
@@ -316,7 +317,7 @@ class Document:
 
 @dataclass(frozen=True)
 class Report:
-    """Pages by their files, such as ``index.html``; `data`: other files that they link to."""
+    """Pages by file, such as ``index.html``; `data`: other files that they link to."""
 
     pages: Mapping[str, Document]
     data: Mapping[str, str] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Brackets on a page: both bounds and the reference, their history, the gap by elements."""
+"""Brackets on a page: bounds and reference, history, and gap by elements."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -15,9 +15,9 @@ from lacore_verification.report.tables import with_certificates
 from lacore_verification.runs.outcome import Outcome
 
 _WIDTH = Axis("width", "(upper − lower)/mean")
-_CLOSE = 0.05  # widths above it say nothing of the order yet
-_FEWEST = 5  # widths that an order is fitted to
-_ANY = 100.0  # bounds close in by steps: their local slopes are anything
+_CLOSE = 0.05  # Widths above it do not show the order yet.
+_FEWEST = 5  # number of widths for the fit of an order
+_ANY = 100.0  # Bounds improve in steps, so their local slopes are arbitrary.
 
 
 def brackets_table(results: pd.DataFrame) -> Table:

@@ -10,24 +10,24 @@ import pandas as pd
 
 
 def slug(name: object) -> str:
-    """A name as part of an id: letters, digits and ``-``, others by their code."""
+    """Return a name as part of an id: letters, digits and ``-``, others by their code."""
     return re.sub(r"[^A-Za-z0-9-]", lambda m: f"-{ord(m[0]):x}-", str(name))
 
 
 @dataclass(frozen=True)
 class Anchor:
-    """A place to link to: one for each value of a column.
+    """Target of links: one for each value of a column.
 
     Attributes:
-        prefix: what is there, such as ``certificate``; on one page one table has it.
-        column: whose values are unique in that table, such as ``run``.
+        prefix: its kind, such as ``certificate``; one table of a page has it.
+        column: column with unique values in that table, such as ``run``.
     """
 
     prefix: str
     column: str
 
     def of(self, record: Mapping[str, Any]) -> str:
-        """The id for a row; empty where it has no value to make one of."""
+        """Return the id for a row; empty without a value."""
         value = record[self.column]
         return "" if is_missing(value) else f"{self.prefix}-{slug(value)}"
 
@@ -68,7 +68,7 @@ class Column:
 
     @property
     def head(self) -> str:
-        """What stands above the column."""
+        """Heading of the column."""
         return self.title or self.name.replace("_", " ")
 
     @property
@@ -82,7 +82,7 @@ class Column:
         return self.numeric or bool(self.order)
 
     def shown(self, record: Mapping[str, Any]) -> str:
-        """The text of a cell; empty where there is no value."""
+        """Return the text of a cell; empty without a value."""
         return self.text(record[self.name])
 
     def text(self, value: Any) -> str:
@@ -95,7 +95,7 @@ class Column:
         return format(self.scale * number, self.form) if isfinite(number) else str(number)
 
     def key(self, record: Mapping[str, Any]) -> str:
-        """What a cell is ordered by; empty ones are always last."""
+        """Return the sort key of a cell; empty ones are always last."""
         value = record[self.order or self.name]
         if is_missing(value):
             return ""
@@ -103,11 +103,11 @@ class Column:
 
 
 def _is_number(value: object) -> TypeGuard[SupportsFloat]:
-    return hasattr(value, "__float__")  # as of `SupportsFloat`, which takes ten times as long
+    return hasattr(value, "__float__")  # as `SupportsFloat`, which takes ten times as long
 
 
 def is_missing(value: object) -> bool:
-    """Whether there is no value."""
+    """Return whether a value is missing."""
     return (
         value is None or value is pd.NA or value is pd.NaT or (_is_number(value) and isnan(value))
     )

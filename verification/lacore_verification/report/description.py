@@ -12,7 +12,7 @@ def lead(case: Case) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """``1 case``, ``2 cases``."""
+    """Return a count with its noun: ``1 case``, ``2 cases``."""
     return f"{number} {noun}" + ("" if number == 1 else "s")
 
 

@@ -1,4 +1,4 @@
-"""A document as HTML that loads nothing but the pictures beside it."""
+"""Document as HTML that only loads the pictures next to it."""
 
 import posixpath
 from base64 import b64encode
@@ -18,12 +18,12 @@ from lacore_verification.report.charts.svg import Chart, inline
 
 @dataclass(frozen=True)
 class Place:
-    """Where a page is among others: what its links and pictures are called from there.
+    """Place of a page among others, for the addresses of its links and pictures.
 
     Attributes:
-        file: of the page, such as ``cases/wall-1.html``.
-        anchors: the file in which an id is; those of this page first.
-        pictures: files of pictures, by their names.
+        file: file of the page, such as ``cases/wall-1.html``.
+        anchors: file of each id; those of this page first.
+        pictures: files of pictures, by name.
         tables: Files of tables as CSV, by the identity of their blocks.
     """
 
@@ -48,16 +48,16 @@ class Place:
         return self.to(self.pictures[picture.name])
 
     def download(self, table: Table) -> str:
-        """Link to the CSV file of a table; empty where it has none."""
+        """Return a link to the CSV file of a table; empty without one."""
         file = self.tables.get(id(table))
         return "" if file is None else self.to(file)
 
 
 def render(document: Document, place: Place) -> str:
-    """The page as text."""
+    """Return the page as text."""
     environment = templates()
     script = environment.get_template("script.html.j2").render()
-    # Only this script runs on the page: one that came with a name would not, even if it got in.
+    # Only this script runs on the page: one from a name would not, even if it were included.
     digest = b64encode(sha256(script.encode()).digest()).decode("ascii")
     return environment.get_template("document.html.j2").render(
         document=document,
@@ -73,7 +73,7 @@ def render(document: Document, place: Place) -> str:
 
 @cache
 def templates() -> Environment:
-    """The templates, compiled once; all that they show is escaped."""
+    """Return the templates, compiled once; all values are escaped."""
     environment = Environment(
         loader=PackageLoader("lacore_verification.report", ""),
         autoescape=True,  # template names end in .j2, which a choice by extension would miss
@@ -86,7 +86,7 @@ def templates() -> Environment:
 
 
 def fragment(template: str, **values: Any) -> Markup:
-    """A template of ours as a piece of a page, for `lacore_verification.report.blocks.Html`."""
+    """Return a template as a piece of a page, for `lacore_verification.report.blocks.Html`."""
     return Markup(templates().get_template(template).render(**values))
 
 
@@ -96,6 +96,6 @@ def _kind(block: Block) -> str:
 
 
 def _numbered() -> Callable[[Chart], Markup]:
-    """Draws charts, each under a name of its own: ids must not clash on the page."""
+    """Return a function that draws charts with unique names, as ids must not clash on the page."""
     numbers = count(1)
     return lambda chart: inline(chart, f"chart-{next(numbers)}")

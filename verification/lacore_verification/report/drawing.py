@@ -1,6 +1,7 @@
-"""The pictures of a report: which ones it shows; they are drawn in separate processes."""
+"""Selection of the pictures of a report, which are drawn in separate processes."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+# Annotations are not evaluated, so their modules are not loaded.
+from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 MOST = 4
 """Number of mechanisms, and of brackets, of each case in a report of a few cases."""
 _FEW = 48  # pictures: half a minute of one core
-_LIMIT = 120.0  # s, of a picture
+_LIMIT = 120.0  # s, limit for a picture
 _DPI = 90
 _WORKER = "lacore_verification.report.drawing:Painter"
 _MAKERS = "lacore_verification.report.stored_figures"
@@ -38,7 +39,7 @@ Drawn = Mapping[str, Picture | Text]
 
 @dataclass(frozen=True)
 class Figures:
-    """What is drawn of a subject.
+    """Figures of a subject.
 
     Attributes:
         full: The figure of its own page.
@@ -69,7 +70,7 @@ class Subject:
 
 
 class Painter:
-    """Draws one subject after the other in a process of its own."""
+    """Draws one subject after the other in a separate process."""
 
     def draw(self, subject: Subject) -> Picture | Text:
         """Draw a subject, or say why it cannot be drawn."""
@@ -144,7 +145,7 @@ def painted(subject: Subject) -> Picture | Text:
     from lacore.pictures.thumbnails import DPI
 
     try:
-        # Text is measured anew for each resolution.
+        # Text is measured again for each resolution.
         with mpl.rc_context({"figure.dpi": subject.dpi}):
             made = subject.draw()
         small = None
@@ -153,7 +154,7 @@ def painted(subject: Subject) -> Picture | Text:
             data = png(made.thumbnail, DPI)
             small = Picture(name, subject.caption, data, shown_at=1 / 2)
         return Picture(subject.name, subject.caption, png(made.full, subject.dpi), small)
-    except Exception as error:  # of a case that was changed since, or whatever others wrote
+    except Exception as error:  # a case that was changed since, or any error of users
         return _failed(subject, error)
 
 
@@ -170,7 +171,7 @@ class _Pending(Mapping[str, Picture | Text]):
         self._pictures: dict[str, Future[Picture | Text]] = {one.name: Future() for one in subjects}
 
     def add(self, subject: Subject, answer: Any) -> None:
-        """Add what a process answered: a picture, or why there is none."""
+        """Add the answer of a process: a picture, or why there is none."""
         made = _failed(subject, answer) if isinstance(answer, Exception) else answer
         self._pictures[subject.name].set_result(made)
 

@@ -1,4 +1,4 @@
-"""A report as files: pages, the pictures that they share, tables as Markdown and CSV."""
+"""Report as files: pages, shared pictures, tables as Markdown and CSV."""
 
 import csv
 import io
@@ -25,16 +25,16 @@ from lacore_verification.report.blocks import (
 from lacore_verification.report.document import Place, render
 
 INDEX = "index.html"
-"""The page that is opened first."""
+"""Page that is opened first."""
 _CASES = "cases"
-_SPECIAL = re.compile(r"([\\`*_\[\]<>|~$])")  # what Markdown makes something of inside a line
+_SPECIAL = re.compile(r"([\\`*_\[\]<>|~$])")  # characters with a meaning in Markdown inside a line
 _LONGEST = 80  # letters of the name of a file
 
 
 def write(report: Report, folder: Path) -> Path:
     """Write the pages, ``pictures/*.png``, ``tables/*.csv``, ``tables/*.md`` and other files.
 
-    What an earlier report wrote there and this one does not is removed.
+    Other files of an earlier report are removed.
 
     Returns:
         the path of the page that is opened first.
@@ -52,19 +52,19 @@ def write(report: Report, folder: Path) -> Path:
 
 
 def contents(report: Report) -> dict[str, bytes]:
-    """What the files of a report hold, by their paths in its folder."""
+    """Return the contents of the files of a report, by their paths in its folder."""
     found = {_picture_file(name): picture.data for name, picture in pictures(report).items()}
     texts = dict(report.data)
     for name, table in tables(report):
         texts[_table_file(name)] = spreadsheet(table)
         texts[f"tables/{name}.md"] = markdown(table)
     texts |= rendered(report)
-    # A path may have bytes that are no text.
+    # A path may have bytes that are not valid text.
     return found | {file: text.encode(errors="replace") for file, text in texts.items()}
 
 
 def rendered(report: Report) -> dict[str, str]:
-    """The pages as text, by file."""
+    """Return the pages as text, by file."""
     ids = {file: list(_ids(page)) for file, page in report.pages.items()}
     shared = {name: file for file, names in reversed(ids.items()) for name in names}
     files = {picture.name: _picture_file(name) for name, picture in pictures(report).items()}
@@ -76,7 +76,7 @@ def rendered(report: Report) -> dict[str, str]:
 
 
 def _ids(page: Document) -> Iterator[str]:
-    """Places of a page that others can link to."""
+    """Yield the ids of a page for links."""
     yield from (section.id for section in page.sections)
     for _, block in _blocks(page):
         if isinstance(block, Table) and block.anchor:
@@ -84,7 +84,7 @@ def _ids(page: Document) -> Iterator[str]:
 
 
 def pictures(report: Report) -> dict[str, Picture]:
-    """All pictures, each once, by the name of their file."""
+    """Return all pictures, each once, by the name of their file."""
     found: dict[str, Picture] = {}
     for page in report.pages.values():
         for _, block in _blocks(page):
@@ -111,7 +111,7 @@ def _table_file(name: str) -> str:
 
 
 def tables(report: Report) -> Iterator[tuple[str, Table]]:
-    """Tables that have rows, named by the page of their case, section and what stands above."""
+    """Yield the tables with rows, named by the page of their case, section and heading."""
     found = [
         (f"{_prefix(file)}{title} {block.caption}", block)
         for file, page in report.pages.items()
@@ -127,13 +127,13 @@ def _prefix(file: str) -> str:
 
 
 def case_files(names: Iterable[str]) -> dict[str, str]:
-    """Files of the pages of cases, by their ids."""
+    """Return the files of the pages of cases, by their ids."""
     ids = list(names)
     return {own: f"{_CASES}/{file}.html" for own, file in zip(ids, file_names(ids), strict=True)}
 
 
 def file_names(texts: Iterable[str]) -> Iterator[str]:
-    """Words in lower case, joined by ``-``; those that would be alike are numbered."""
+    """Yield texts in lower case, joined by ``-``; equal ones are numbered."""
     taken: set[str] = set()
     for text in texts:
         name = "-".join(re.findall("[a-z0-9]+", text.lower()))[:_LONGEST].strip("-") or "unnamed"
@@ -144,7 +144,7 @@ def file_names(texts: Iterable[str]) -> Iterator[str]:
 
 
 def spreadsheet(table: Table) -> str:
-    """As CSV, numbers in full."""
+    """Return a table as CSV, with all digits."""
     # `DataFrame.to_csv` takes ten times as long for the many small tables of a report.
     buffer = io.StringIO()
     rows = [[column.head for column in table.columns], *table.values]
@@ -153,7 +153,7 @@ def spreadsheet(table: Table) -> str:
 
 
 def markdown(table: Table) -> str:
-    """As a table of Markdown, numbers as on the page."""
+    """Return a table as Markdown, with numbers as on the page."""
     head, *rows = (
         "| " + " | ".join(map(_cell, line)) + " |\n"
         for line in ([column.head for column in table.columns], *table.texts)
@@ -163,7 +163,7 @@ def markdown(table: Table) -> str:
 
 
 def _cell(text: object) -> str:
-    """Text that neither ends a cell nor is taken for markup."""
+    """Return text that neither ends a cell nor contains markup."""
     line = " ".join(str(text).replace("&", "&amp;").split())
     return _SPECIAL.sub(r"\\\1", line)
 
@@ -175,7 +175,7 @@ def _blocks(page: Document) -> Iterator[tuple[str, Block]]:
 
 
 def _inside(section: str, blocks: Sequence[Block]) -> Iterator[tuple[str, Block]]:
-    """All blocks with the id of their section and the heading before them."""
+    """Yield all blocks with the id of their section and the last heading."""
     heading = ""
     for block in blocks:
         if isinstance(block, Heading):

@@ -1,4 +1,4 @@
-"""The verification manual: a page for each case, and one that leads to them.
+"""Verification manual: a page for each case, and an index.
 
 A page contains what is needed to check a case with pencil and paper, and the results of lacore.
 """
@@ -64,7 +64,8 @@ def write_manual(
     Raises:
         InputError: the folder cannot be written.
     """
-    each = most_for(2 * len(cases)) if most is None else most  # of each the problem is drawn, too
+    # The problem of each case is drawn, too.
+    each = most_for(2 * len(cases)) if most is None else most
     about = list(sessions(file_of(results)).values())[-1]
     with pictures_of(subjects(cases, outcomes, each)) as drawn:
         found = manual(cases, outcomes, load_checks(results), about, drawn)
@@ -73,7 +74,10 @@ def write_manual(
 
 
 def subjects(cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """List what a manual draws: of each case its problem, and `most` mechanisms and brackets."""
+    """List the pictures of a manual.
+
+    For each case its problem, and `most` mechanisms and brackets.
+    """
     found: list[Subject] = []
     for case in cases:
         own = _of(case, outcomes)
@@ -140,7 +144,7 @@ def _contents(
 
 
 def _kind(case: Case) -> str:
-    """The first of its tags that is one of `KINDS`; cases of others need not have any."""
+    """Return the first of its tags that is one of `KINDS`; users' cases need not have any."""
     return next((tag for tag in case.tags if tag in KINDS), _NO_KIND)
 
 

@@ -15,7 +15,7 @@ from lacore_verification.runs.run import Run
 
 
 def settings_section(runs: Iterable[Run]) -> Section:
-    """Return the options of all backends, those that were changed first."""
+    """Return the options of all backends, changed ones first."""
     found = settings(runs).sort_values("changed", ascending=False, kind="stable")
     shown = found.assign(changed=found["changed"].map({True: "changed", False: "default"}))
     names = ("backend", "setting", "option", "value", "default")

@@ -1,4 +1,4 @@
-"""What stands on an index: a card a case, with its picture, and one answer for each variant."""
+"""Index of cases: a card per case, with its picture, and one result for each variant."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -40,10 +40,10 @@ def cards(
     """Return a card for each case: failures first, then the largest errors.
 
     Args:
-        cases: to be shown.
-        outcomes: of these cases, and of any others.
-        files: of the pages, by id of the case.
-        pictures: those that there are, by id of the case.
+        cases: cases to show.
+        outcomes: outcomes of these cases, and of any others.
+        files: files of the pages, by id of the case.
+        pictures: available pictures, by id of the case.
     """
     ranks: dict[str, tuple[bool, float]] = {}
     for one in summaries(outcomes):
@@ -69,7 +69,7 @@ def cards(
 
 
 def filters(*lists: Cards) -> list[Filters]:
-    """Controls for all cards of a page; none for a few."""
+    """Return the controls for all cards of a page; none for a few."""
     items = [card for cards in lists for card in cards.items]
     if len(items) < _FEW:
         return []
@@ -92,7 +92,7 @@ def solver_filter(outcomes: Sequence[Outcome]) -> list[Filters]:
 
 
 def mood_of(verdicts: Sequence[str]) -> str:
-    """How a case is marked."""
+    """Return the mark of a case."""
     return "bad" if FAIL in verdicts else "good" if PASS in verdicts else "mild"
 
 
@@ -131,7 +131,7 @@ def _row(summary: VariantSummary, outcomes: Sequence[Outcome]) -> dict[str, Any]
 
 
 def proven(summary: VariantSummary) -> str:
-    """The bracket, or the value of an exact backend; of none the status that is right."""
+    """Return the bracket, or the value of an exact backend, else the correct status."""
     low, high = isfinite(summary.lower), isfinite(summary.upper)
     if low and high:
         return f"[{summary.lower:.6g}, {summary.upper:.6g}]"
@@ -145,14 +145,14 @@ def proven(summary: VariantSummary) -> str:
 
 
 def _bounds_tell_more(summary: VariantSummary) -> bool:
-    """Whether there are both, no value, or an upper one that is no looser than the value."""
+    """Return whether there are both bounds, no value, or an upper one no looser than the value."""
     if isfinite(summary.lower) and isfinite(summary.upper):
         return True
     return not isfinite(summary.value) or summary.upper <= summary.value
 
 
 def _told(summary: VariantSummary) -> str:
-    """What the number is of."""
+    """Return a text on the mesh of the number."""
     sizes = f"{summary.mesh} mesh, {summary.elements:g} elements" if summary.mesh else ""
     shown = summary.bounded and _bounds_tell_more(summary)
     bounds = f"bounds of the {summary.bounded} problem" if shown else ""
@@ -160,7 +160,7 @@ def _told(summary: VariantSummary) -> str:
 
 
 def _proof(summary: VariantSummary, outcomes: Sequence[Outcome]) -> str | None:
-    """The run whose certificate proves what is shown."""
+    """Return the run whose certificate proves the shown result."""
     own = [
         outcome
         for outcome in outcomes

@@ -98,7 +98,10 @@ def by_case(outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Own]:
 
 
 def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """List what a report draws: of each case `most` mechanisms and brackets, or its problem."""
+    """List the pictures of a report.
+
+    For each case `most` mechanisms and brackets, or its problem.
+    """
     groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.run.case.id, []).append(outcome)
@@ -122,7 +125,7 @@ def compared(
     files = case_files(one.case.id for one in own)
     found, side_by_side = _studies(results)
     pages = {f"studies/{section.id}.html": section for section in found}
-    # Pages in the order in which their pictures are drawn; the index shows all of them.
+    # Pages are in the order in which their pictures are drawn; the index shows all of them.
     own_pages = {
         files[one.case.id]: _page(one, drawn, _trail(own, n, files)) for n, one in enumerate(own)
     }
@@ -138,7 +141,7 @@ def compared(
             for file, section in pages.items()
         },
         {
-            # A spreadsheet shows text that looks like a formula as text.
+            # A spreadsheet must show text that looks like a formula as text.
             RESULTS: quoted(results.drop(columns="run")).to_csv(index=False),
             SETTINGS: quoted(settings(own.run for own in outcomes)).to_csv(index=False),
             PROVENANCE: json.dumps(dict(machine), indent=1) + "\n",
@@ -319,7 +322,7 @@ def explained(case: Case, outcomes: Sequence[Outcome]) -> Block:
     elements: dict[str, int] = {}
     for outcome in outcomes:
         name, size = outcome.run.variant.name, outcome.row.n_elements
-        if isfinite(size) and outcome.row.coupling != BRACKET:  # whose error is its width
+        if isfinite(size) and outcome.row.coupling != BRACKET:  # Its error is its width.
             elements[name] = max(int(size), elements.get(name, 0))
     return description(case, list(variants.values()) or case.variants, elements)
 

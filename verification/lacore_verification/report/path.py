@@ -17,13 +17,13 @@ from lacore_verification.report.columns import RUN, Column, column, columns
 from lacore_verification.report.tables import HOW
 from lacore_verification.runs.outcome import Outcome
 
-_POINTS = 101  # of an exact curve
+_POINTS = 101  # points of an exact curve
 
 
 def path_chart(case: Case, outcomes: Sequence[Outcome]) -> Drawing | None:
     """Draw computed and exact loads along the paths of a case; return None without a path.
 
-    Of each variant the finest mesh of its first backend.
+    For each variant the finest mesh of its first backend is used.
     """
     shown = _shown(outcomes)
     if not shown:

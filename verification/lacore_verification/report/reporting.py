@@ -28,8 +28,8 @@ class GrowingReport:
     that a comparison that is killed leaves pages with most of its rows.
 
     Args:
-        runs: Of the comparison, in its order.
-        folder: To write into.
+        runs: Runs of the comparison, in its order.
+        folder: Output folder.
     """
 
     def __init__(self, runs: Sequence[Run], folder: Path) -> None:
@@ -67,10 +67,11 @@ def write_report(
     """Draw and write the report of outcomes; returns the path of its index.
 
     Args:
-        outcomes: of a comparison, verification or sweep.
+        outcomes: outcomes of a comparison, verification or sweep.
         about: their provenance.
-        folder: to write into. Pages link the programs that `write_programs` wrote there.
-        most: mechanisms, and brackets, that are drawn of each case; None: `most_for` the cases.
+        folder: output folder. Pages link the programs that `write_programs` wrote there.
+        most: number of mechanisms, and of brackets, that are drawn for each case; None: `most_for`
+            the cases.
 
     Raises:
         InputError: the folder cannot be written.

@@ -40,7 +40,7 @@ def mechanism(outcome: Outcome) -> Figures:
     """Draw a stored state."""
     state = restored(outcome.run, outcome.row, outcome.evidence)
     figure = state.plot()
-    freeze(figure, again=False)  # laying it out once more would take as long as all else
+    freeze(figure, again=False)  # Laying it out again would take as long as everything else.
     return Figures(figure, views.thumbnail(state))
 
 

@@ -88,7 +88,7 @@ def certificates_table(results: pd.DataFrame) -> Table:
 
 
 def varied(results: pd.DataFrame) -> list[Column]:
-    """Return columns of what was set in addition to the case: mesh sizes, settings, options."""
+    """Return columns of settings in addition to the case: mesh sizes, loop, options."""
     found = []
     for name in map(str, results.columns):
         kind, _, rest = name.partition("_")
@@ -147,7 +147,7 @@ def _solver_times(results: pd.DataFrame) -> tuple[Column, ...]:
 
 
 def _answers(results: pd.DataFrame) -> tuple[Column, ...]:
-    """Return the column of who answered, where results state it."""
+    """Return the column of the origin of results, if results contain it."""
     stated = "answered_by" in results and results["answered_by"].fillna("").ne("").any()
     return (Column("answered_by", "answered by"),) if stated else ()
 

@@ -1,1 +1,1 @@
-"""What is run, and what a run leaves: plain data."""
+"""Runs and their results as plain data."""

@@ -12,7 +12,7 @@ from lacore_verification.runs.run import Run, canonical
 INSTANCES = "instances"
 """Folder of programs as files, next to the report of a comparison."""
 _PLAIN = (bool, int, float, str)
-_RESERVED = ",:"  # they separate the values of an axis
+_RESERVED = ",:"  # separators of the values of an axis
 
 
 def instance_name(case: str, variant: str, mesh: str, ending: str = "npz") -> str:
@@ -23,8 +23,8 @@ def instance_name(case: str, variant: str, mesh: str, ending: str = "npz") -> st
 def commands_of(run: Run) -> dict[str, str]:
     """Return the columns `repeat_command`, `export_command` and `instance_file` of a run.
 
-    A cell is empty if no command can express the run. The exported program is that of the
-    associated problem, whatever the coupling of the run.
+    A cell is empty if no command can repeat the run. The exported program is that of the associated
+    problem, for any coupling of the run.
     """
     base = _base(run)
     varied = _varied(run, base)
@@ -78,7 +78,7 @@ def _changed(run: Run, base: Variant) -> Mapping[str, Any]:
 
 
 def _varied(run: Run, base: Variant) -> list[str] | None:
-    """Return what a sweep has to vary, one axis for each value; None if it cannot."""
+    """Return the axes of a sweep that repeats the run, one for each value; None if impossible."""
     kinds = {
         "param": _changed(run, base),
         "size": run.size,

@@ -1,4 +1,4 @@
-"""A run with its row, and what proves it."""
+"""A run with its row and its evidence."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from lacore_verification.runs.run import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """What proves a row.
+    """Evidence of a row.
 
     Attributes:
-        residuals: of the certificate, by name; empty without one.
-        history: one record an inner solve, as in `la.LimitState.history`.
+        residuals: residuals of the certificate, by name; may be empty.
+        history: one record per inner solve, as in `la.LimitState.history`.
         arrays: velocity, stresses and reactions, see
-            `lacore_verification.harness.evidence.limit_state`; empty without any.
+            `lacore_verification.harness.evidence.limit_state`; may be empty.
     """
 
     residuals: Mapping[str, float]
@@ -29,7 +29,7 @@ NO_EVIDENCE = Evidence({}, (), b"")
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run with its row, what proves it, and what was printed meanwhile."""
+    """A run with its row, its evidence, and its printed output."""
 
     run: Run
     row: Row
@@ -37,14 +37,14 @@ class Outcome:
     log: str = ""
 
     def record(self) -> dict[str, Any]:
-        """All columns."""
+        """Return all columns."""
         return columns(self.row, self.evidence.residuals, self.run.identity)
 
 
 def columns(
     row: Row, residuals: Mapping[str, float], identity: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Columns of a finished run: its row, its residuals, and everything that was set."""
+    """Return the columns of a finished run: its row, its residuals, and all settings."""
     groups = {
         "residual": residuals,
         "param": identity["parameters"],

@@ -1,4 +1,4 @@
-"""One finished run as a row: what comes out, a field a column."""
+"""A finished run as a row with one field per column."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
@@ -13,66 +13,65 @@ STRICT = f"{Rigor.LOWER.label}, {Rigor.UPPER.label}"
 
 @dataclass(frozen=True)
 class Row:
-    """One finished run; a field is a column. Values that do not exist are NaN or empty.
+    """One finished run, with one field per column. Missing values are NaN or empty.
 
     Attributes:
-        case, variant, backend, coupling, mesh: what was run.
-        answered_by: Who found the answer: the backend, or path following of lacore, or both; empty
-            without an answer. Rates of backends count only what they answered themselves.
-        n_elements, n_dofs: triangles and rigid blocks; unknowns after supports. Of a bracket those
+        case, variant, backend, coupling, mesh: names of the run.
+        answered_by: origin of the result: the backend, or path following of lacore, or both; empty
+            without a result. Rates of backends count only their own results.
+        n_elements, n_dofs: triangles and rigid blocks; unknowns after supports. For a bracket those
             of its upper bound, and ``n_elements_lower`` those of its lower one.
         load_factor, reference: in units of the case.
-        reference_to: upper end of the reference, where it is an interval.
+        reference_to: upper end of the reference, if it is an interval.
         expected: the reference as text: number, interval or status.
         error: distance from the reference, relative to its size or that of the dead loads; 0 inside
             an interval.
         rigor, status: labels.
-        lower, upper: proven bounds: of a bracket, or the load factor again, where rigor proves it
-            to be one.
-        width: of a bracket, per its mean.
-        ending: of a path; `load_factor` is that of its last step, `outer_iterations` and the gap
-            are of all.
-        path_error: largest relative error of the loads of a path, as far as they are known.
-        volume_change: largest of a step of a path, of the volume.
-        start: load factor with which a path begins; `lower` and `upper` are strict bounds of it.
-        reading: what else is read from a path, see `lacore_verification.case.following.Reading`.
-        standing: what is proven of the dead loads alone, see `la.Stability`: ``stands``, ``falls``,
-            ``undecided``; empty where it is not asked: of regularised backends, brackets and paths.
-        side: on which side of the load factor loads are carried: ``below``, ``above``, ``both``.
-        carried_low, carried_high: ends of the load factors that are proven to be carried.
-        lowest, highest: load factors that a range of a soil found; `lower` and `upper` are proven
-            of all on its mesh.
-        davis: load factor with Davis's strength, of a range; it bounds nothing.
-        model: the model that was solved in place of that of the case, such as ``associated``; empty
-            where it is that of the case.
+        lower, upper: proven bounds: of a bracket, or the load factor if rigor proves it to be one.
+        width: width of a bracket, by its mean.
+        ending: ending of a path; `load_factor` is that of its last step, `outer_iterations` and the
+            gap are totals.
+        path_error: largest relative error of the known loads of a path.
+        volume_change: largest change of volume of a step of a path, by the volume.
+        start: initial load factor of a path; `lower` and `upper` are its strict bounds.
+        reading: other result of a path, see `lacore_verification.case.following.Reading`.
+        standing: proven status of the dead loads alone, see `la.Stability`: ``stands``, ``falls``,
+            ``undecided``; empty for regularised backends, brackets and paths.
+        side: side of the load factor on which loads are carried: ``below``, ``above``, ``both``.
+        carried_low, carried_high: range of load factors that are proven to be carried.
+        lowest, highest: load factors found for a range of a soil; `lower` and `upper` are proven
+            for all on its mesh.
+        davis: load factor with Davis's strength, for a range; it is not a bound.
+        model: model that was solved instead of that of the case, such as ``associated``; empty if
+            it is that of the case.
         outer_iterations: inner solves of the coupling loop.
-        gap: of the certificate.
+        gap: gap of the certificate.
         build_time, solve_time: s. The second is the whole of the solve, without `compile_time`.
-        compile_time: s, that the backend took to warm up in its process, before its first solve
-            there (`warm_up`); the same for all runs of a process. NaN of a backend without it.
-        solver_time: s, of the inner solves, as lacore measures them; part of `solve_time`.
-        reported_time: s, of the same inner solves, as the backend reports them.
-        calibration_before, calibration_after: s, of a short program that is always the same, solved
-            in the process of the run before and after it; NaN where it was not repeated. Their
-            scatter is the noise of the machine.
-        log: file with the end of what the run printed, relative to the folder of the store; empty
-            where it printed nothing.
-        options: of the backend, as far as they differ from its defaults: ``tolerance=1e-06``.
-        peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
-        message: of the status, or why a run was skipped or failed.
-        findings: What a state has to report, as `lacore.reporting.findings.stored` writes it; empty
-            for brackets, ranges, paths and runs without a state.
-        verdict: ``pass``, ``FAIL``, ``skipped``, ``bound only`` of another model whose own load
-            factor is not known, which is on the right side of the reference, ``no reference`` of
-            what is proven and cannot be compared, or ``no result`` of what claims nothing and need
-            not: a regularised backend, or a coupling that is not the default; `why` says why.
-        why: the rule that gave the verdict, with its numbers.
-        check: of a random problem that fails, the name of the check, or of the error.
-        alpha_reg, regularised_lambda, P: the values of T19, as load factors.
+        compile_time: s, of the warm-up of the backend in its process, before its first solve there
+            (`warm_up`); equal for all runs of a process. NaN without a warm-up.
+        solver_time: s, of the inner solves, measured by lacore; part of `solve_time`.
+        reported_time: s, of the same inner solves, reported by the backend.
+        calibration_before, calibration_after: s, of a short constant program, solved in the process
+            of the run before and after it; NaN if it was not. Their scatter is the noise of the
+            machine.
+        log: file with the end of the printed output, relative to the folder of the store; may be
+            empty.
+        options: options of the backend that differ from its defaults: ``tolerance=1e-06``.
+        peak_memory_mb: largest resident memory of the process of the run; NaN if not measured.
+        message: message of the status, or why a run was skipped or failed.
+        findings: findings of a state, as stored by `lacore.reporting.findings.stored`; empty for
+            brackets, ranges, paths and runs without a state.
+        verdict: ``pass``, ``FAIL``, ``skipped``, ``bound only`` for another model with unknown load
+            factor that is on the correct side of the reference, ``no reference`` for a proven
+            result without comparison, or ``no result`` if no result is claimed or required: for a
+            regularised backend, or a coupling other than the default; `why` gives the reason.
+        why: rule of the verdict, with its numbers.
+        check: for a random problem that fails, the name of the check, or of the error.
+        alpha_reg, regularised_lambda, P: values of T19, as load factors.
         energy: C of T19.
-        contraction: of the coupling loop.
-        iterations: of the solver, in all inner solves.
-        claimed: whether the solver itself called its last inner solve solved.
+        contraction: contraction of the coupling loop.
+        iterations: iterations of the solver, in all inner solves.
+        claimed: whether the solver reported its last inner solve as solved.
     """
 
     case: str
@@ -133,7 +132,7 @@ class Row:
     check: str = ""
 
     def record(self) -> dict[str, Any]:
-        """As columns."""
+        """Return the columns."""
         values = asdict(self)
         values["lambda"] = values.pop("regularised_lambda")
         for name in _COUNTS:

@@ -1,4 +1,4 @@
-"""What is run, and what a run leaves: plain data that goes through pipes and into the store."""
+"""Runs as plain data that can be sent through pipes and stored."""
 
 import hashlib
 import json
@@ -14,20 +14,20 @@ from lacore_verification.case import Case, Variant
 
 @dataclass(frozen=True)
 class Run:
-    """What to run.
+    """One run.
 
     Attributes:
-        case, variant, mesh, backend: names and things.
+        case, variant, mesh, backend: names and objects.
         coupling: a name of `la.solve` or `lacore_verification.defaults.RAW`; None is the default of
-            the backend; `BRACKET` stands for a lower and an upper bound, `RANGE` for the lowest and
-            the highest load factor of a soil.
-        insist: whether to end without a result is a failure; not of regularised backends, nor with
-            `settings` or `options` that are not the default.
-        skip: why it is not run after all.
-        size: keyword arguments of `Case.build` in place of those of the mesh level.
-        settings: keyword arguments of `la.solve` for the loop: damping, anderson, ...; of a
-            bracket its `target_width`, in place of that of the case.
-        options: of the backend, by name.
+            the backend; `BRACKET` means a lower and an upper bound, `RANGE` the lowest and the
+            highest load factor of a soil.
+        insist: whether a run without result is a failure; not for regularised backends, nor with
+            other `settings` or `options` than the default.
+        skip: why it is not run.
+        size: keyword arguments of `Case.build` instead of those of the mesh level.
+        settings: keyword arguments of `la.solve` for the loop: damping, anderson, ...; for a
+            bracket its `target_width`, instead of that of the case.
+        options: options of the backend, by name.
     """
 
     case: Case
@@ -60,8 +60,8 @@ class Run:
         """The options of the backend, as ``tolerance=1e-06 max_iterations=50``; empty without."""
         return " ".join(_assigned(self.options))
 
-    def problem(self) -> "la.Problem":  # not evaluated: it would load the whole core
-        """The problem; two runs of one `problem_key` have the same."""
+    def problem(self) -> "la.Problem":  # not evaluated, as it would load the whole core
+        """Return the problem; runs with equal `problem_key` have equal problems."""
         return self.case.problem_of(
             {**self.case.meshes[self.mesh], **self.size}, self.variant.parameters
         )
@@ -73,12 +73,12 @@ class Run:
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Of the case."""
+        """Parameters of the case."""
         return dict(self.variant.parameters)
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What makes it this run and no other: names and numbers."""
+        """Names and numbers that identify the run."""
         return {
             "case": self.case.id,
             "variant": self.variant.name,
@@ -93,7 +93,7 @@ class Run:
 
     @property
     def names(self) -> dict[str, Any]:
-        """What was run, as the columns of its row."""
+        """Names of the run, as columns of its row."""
         return {
             "case": self.case.id,
             "variant": self.variant.name,
@@ -110,10 +110,10 @@ class Run:
 
 
 def canonical(data: Any) -> str:
-    """JSON of plain data, the same for equal data.
+    """Return JSON of plain data, equal for equal data.
 
     Raises:
-        TypeError: something that JSON does not have.
+        TypeError: a value that JSON does not support.
     """
     return json.dumps(data, sort_keys=True, separators=(",", ":"), default=_of_numpy)
 
@@ -133,4 +133,4 @@ def _short(value: Any) -> str:
 
 
 FUZZ = "fuzz"
-"""Stands for a coupling in runs of random problems, whose rows keep no evidence."""
+"""Name used as coupling in runs of random problems, whose rows have no evidence."""

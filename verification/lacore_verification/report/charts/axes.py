@@ -1,8 +1,8 @@
-"""Charts of results: a DataFrame in, a chart with the values of its points out.
+"""Charts of results from a DataFrame, with the values of points as tooltips.
 
 A line is drawn for each value of the column `by`, in the same order and colours for the same
-values. What cannot be drawn (no finite value, not positive on a logarithmic axis) is left out, and
-the summary of the chart says how many points that were.
+values. Points that cannot be drawn (not finite, or not positive on a logarithmic axis) are left
+out, and the summary of the chart states their number.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,25 +26,25 @@ from lacore.pictures.axis import power
 from lacore_verification.report.charts.svg import Chart, Tip
 from lacore_verification.report.charts.theme import MARKERS, SERIES, styled
 
-_SIZE = (5.6, 3.9)  # inches: type of 10 points stays readable on a phone
+_SIZE = (5.6, 3.9)  # inches: type of 10 points is readable on a phone
 _MINUS = "\N{MINUS SIGN}"
 _DASHES = ("-", "--", "-.", ":")
 _LONGEST = 40  # letters of a name in the legend
 _HALF = 38  # letters of an entry that fits into half the width
-_PLAIN = (1e-4, 2e4)  # an axis within has its numbers written out
-_DECADES = 8  # labels on a logarithmic axis at most
-_NARROW = 0.5  # decades: with less there may be no round multiple of a power of ten
-_FEW = 2.2  # decades: with less, powers of ten alone would leave the axis without labels
+_PLAIN = (1e-4, 2e4)  # range in which numbers of an axis are written out
+_DECADES = 8  # largest number of labels on a logarithmic axis
+_NARROW = 0.5  # decades: a smaller range may contain no round multiple of a power of ten
+_FEW = 2.2  # decades: for a smaller range, powers of ten alone would leave the axis without labels
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A column on an axis.
+    """Column on an axis.
 
     Attributes:
-        column: of the DataFrame.
-        label: what it is, with its unit.
-        log: whether the axis is logarithmic: what is not positive cannot be on it.
+        column: name in the DataFrame.
+        label: label with its unit.
+        log: whether the axis is logarithmic, with positive values only.
     """
 
     column: str
@@ -70,14 +70,16 @@ def curves(
     tip: Sequence[str] = (),
     along: Axis | None = None,
 ) -> Chart:
-    """Markers, joined by lines in the order of `x`: convergence without a fit, cost, iterations.
+    """Draw markers joined by lines in the order of `x`.
+
+    Convergence without a fit, cost, iterations.
 
     Args:
         data: columns `x.column`, `y.column`, `by` and those of `tip`.
-        x, y: the axes; of `y` the absolute value is shown on a logarithmic axis.
-        by: column that tells the lines apart; its values are the legend.
-        tip: more columns to show under the pointer.
-        along: Axis in whose order lines join the markers, if that is not `x`.
+        x, y: the axes; the absolute value of `y` is shown on a logarithmic axis.
+        by: column that distinguishes the lines, with its values in the legend.
+        tip: further columns in tooltips.
+        along: Axis whose order the lines follow, if that is not `x`.
     """
     shown, left_out = _drawable(data, x, y)
     if along is not None:
@@ -90,7 +92,7 @@ def curves(
 
 
 def scatter(data: pd.DataFrame, x: Axis, y: Axis, tip: Sequence[str]) -> Chart:
-    """Markers alone: what many runs reached, each at its own place. Arguments as of `curves`."""
+    """Draw markers alone: results of many runs. Arguments as for `curves`."""
     by = "backend"
     shown, left_out = _drawable(data, x, y)
     with styled():
@@ -109,16 +111,16 @@ def fitted(
     by: str = "backend",
     tip: Sequence[str] = (),
 ) -> Chart:
-    """Markers with power laws: error against a swept parameter, or under refinement.
+    """Draw markers with power laws: error against a swept parameter, or under refinement.
 
-    Each law is drawn over the range in which it holds, its floor dotted over all of `x`; the
-    legend names its slope, or says that there is none.
+    Each law is drawn over its range of validity, with its floor dotted over all of `x`; the legend
+    gives its slope, or states that there is none.
 
     Args:
-        data: as of `curves`.
+        data: see `curves`.
         fits: from `lacore_verification.harness.analysis.slopes` (columns `by` and those of
             `Slope`), at most one row for each value of `by`.
-        x, y, by, tip: as of `curves`.
+        x, y, by, tip: see `curves`.
 
     Raises:
         ValueError: two fits of one line.
@@ -141,13 +143,13 @@ def fitted(
 
 
 def profile(data: pd.DataFrame, x: Axis, share: Axis = SHARE, *, by: str = "solver") -> Chart:
-    """Steps of a profile from `lacore_verification.harness.analysis`.
+    """Draw the steps of a profile from `lacore_verification.harness.analysis`.
 
     Args:
-        data: one row a step: from `x.column` on, the share is `share.column` (0 to 1).
-        x: the axis of the factor to the best (`FACTOR`), or of the budget.
-        share: the axis of the share of problems that are solved; shown in per cent.
-        by: column that tells the profiles apart.
+        data: one row per step: from `x.column` on, the share is `share.column` (0 to 1).
+        x: axis of the factor to the best (`FACTOR`), or of the budget.
+        share: axis of the share of solved problems, in per cent.
+        by: column that distinguishes the profiles.
     """
     shown, left_out = _drawable(data, x, share)
     with styled():
@@ -176,12 +178,12 @@ def profile(data: pd.DataFrame, x: Axis, share: Axis = SHARE, *, by: str = "solv
 
 
 def cost(results: pd.DataFrame, *, by: str = "backend") -> Chart:
-    """Relative error against time: columns `error`, `solve_time`, `mesh` and `by`."""
+    """Draw relative error against time: columns `error`, `solve_time`, `mesh` and `by`."""
     return curves(results, SOLVE_TIME, ERROR, by=by, tip=["mesh"])
 
 
 def figure_axes() -> tuple[Figure, Axes]:
-    """An empty figure for one chart; draw within `theme.styled`."""
+    """Return an empty figure for one chart; draw within `theme.styled`."""
     figure = Figure(figsize=_SIZE, layout="constrained")
     return figure, figure.add_subplot()
 
@@ -229,7 +231,7 @@ def _markers(
             color=colour,
             ls=line,
             marker=MARKERS[number % len(MARKERS)],
-            mfc="none" if number % 2 else colour,  # an open marker lets one below it be seen
+            mfc="none" if number % 2 else colour,  # An open marker does not hide one below it.
             ms=5 + 2 * (number % 2),
             label=labelled(name, f", {words[name]}" if name in words else ""),
         )
@@ -242,7 +244,7 @@ def _markers(
 
 
 def slope_text(law: Mapping[Any, Any]) -> str:
-    """For the legend: ``slope -1.02 ± 0.03``, by half the confidence interval."""
+    """Return a text for the legend: ``slope -1.02 ± 0.03``, by half the confidence interval."""
     if not isfinite(law["slope"]):
         return "no slope"
     half = (law["high"] - law["low"]) / 2
@@ -252,7 +254,7 @@ def slope_text(law: Mapping[Any, Any]) -> str:
 
 
 def _draw(axes: Axes, law: Mapping[Any, Any], colour: str, places: Iterable[float]) -> None:
-    """A law over its range, its floor over all places."""
+    """Draw a law over its range, and its floor over all places."""
     if isfinite(law["slope"]) and isfinite(law["coefficient"]):
         ends = np.array([law["start"], law["stop"]])
         axes.plot(ends, law["coefficient"] * ends ** law["slope"], color=colour, lw=1.4)
@@ -262,7 +264,7 @@ def _draw(axes: Axes, law: Mapping[Any, Any], colour: str, places: Iterable[floa
 
 
 def _finish(figure: Figure, axes: Axes, x: Axis, y: Axis) -> None:
-    """Scales, labels, legend."""
+    """Set scales, labels, and legend."""
     for axis, which, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
         if axis.log:
             scale("log")
@@ -279,20 +281,20 @@ def _finish(figure: Figure, axes: Axes, x: Axis, y: Axis) -> None:
 
 
 def legend(figure: Figure, axes: Axes) -> None:
-    """What the lines are, above the axes; `labelled` has made the names fit."""
+    """Draw the legend above the axes, with names shortened by `labelled`."""
     handles, labels = axes.get_legend_handles_labels()
     columns = 2 if all(len(label) <= _HALF for label in labels) else 1
     figure.legend(handles, labels, loc="outside upper left", ncols=columns, borderaxespad=0.2)
 
 
 def labelled(name: str, words: str = "") -> str:
-    """A name for the legend: short, and shown even where it begins with an underscore."""
+    """Return a name for the legend: short, and visible even if it begins with an underscore."""
     short = name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…"
     return ("\u200b" if short.startswith("_") else "") + short + words
 
 
 def tick_words(low: float, high: float) -> Callable[[float, int], str]:
-    """How ticks between two ends are written: all plainly, or all as powers of ten."""
+    """Return the format of ticks between two ends: all plain, or all powers of ten."""
     plain = _PLAIN[0] <= low and high <= _PLAIN[1]
     return lambda value, _: f"{value:g}" if plain or not value > 0 else power(value)
 

@@ -14,11 +14,11 @@ from lacore_verification.report.charts.svg import Chart, Tip
 from lacore_verification.report.charts.theme import BAND, INK, MARKERS, SERIES, freeze, styled
 from lacore_verification.runs.outcome import Outcome
 
-_COMPRESSION = 3  # of 9: half the time of the default, files 8 % larger
+_COMPRESSION = 3  # of 9: half the time of the default, for files that are 8 % larger
 
 
 def png(figure: Figure, dpi: int = 110) -> bytes:
-    """A figure as a PNG file."""
+    """Return a figure as a PNG file."""
     figure.set_dpi(dpi)
     freeze(figure)
     buffer = io.BytesIO()
@@ -27,7 +27,7 @@ def png(figure: Figure, dpi: int = 110) -> bytes:
 
 
 def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
-    """For each variant of one case the outcome to show: exact before regularised, then finest."""
+    """Return the outcome to show for each variant of a case: exact ones first, then the finest."""
     best: dict[str, Outcome] = {}
 
     def rank(outcome: Outcome) -> tuple[bool, bool, float]:
@@ -36,7 +36,7 @@ def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
 
     for outcome in outcomes:
         if not outcome.evidence.arrays or outcome.run.case.path is not None:
-            continue  # a path has a picture of its own
+            continue  # A path has a separate picture.
         if outcome.row.coupling in FINDS_NONE:
             continue
         name = outcome.run.variant.name
@@ -46,9 +46,9 @@ def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
 
 
 def sweep_chart(case: Case, outcomes: Sequence[Outcome]) -> Chart | None:
-    """Load factor against the parameter `case.sweep`; None with fewer than three values of it.
+    """Draw load factor against the parameter `case.sweep`; None with fewer than three values.
 
-    Of the variants that differ in nothing else: the largest such family.
+    It uses the largest family of variants that differ in nothing else.
     """
     families: dict[tuple[object, ...], list[Outcome]] = {}
     for outcome in outcomes:
@@ -100,7 +100,7 @@ def _words(case: Case, outcome: Outcome, place: float) -> str:
 
 
 def _finest(outcomes: Sequence[Outcome], backend: str) -> list[Outcome]:
-    """The finished outcome on the finest mesh of each variant, of one backend."""
+    """Return the finished outcome on the finest mesh of each variant, for one backend."""
     best: dict[str, Outcome] = {}
     for outcome in outcomes:
         name = outcome.run.variant.name
@@ -112,7 +112,7 @@ def _finest(outcomes: Sequence[Outcome], backend: str) -> list[Outcome]:
 
 
 def _others(case: Case, outcome: Outcome) -> tuple[object, ...]:
-    """All parameters but the one that is swept."""
+    """Return all parameters except the swept one."""
     parameters = outcome.run.variant.parameters
     return tuple(sorted((n, v) for n, v in parameters.items() if n != case.sweep))
 
@@ -124,7 +124,7 @@ def _swept(case: Case, outcomes: Sequence[Outcome]) -> list[float]:
 def _reference_curve(
     case: Case, variant: Variant, values: list[float]
 ) -> tuple[list[float], list[float], list[float]]:
-    """Places and ends of the references of the variants; dense where there is a formula."""
+    """Return places and ends of the references of variants, dense if there is a formula."""
 
     def ends(points: list[float]) -> tuple[list[float], list[float], list[float]]:
         found = [case.reference(**{**variant.parameters, case.sweep: value}) for value in points]

@@ -1,4 +1,4 @@
-"""What a line of a chart is called: the backend, and whatever else tells the lines apart."""
+"""Names of lines in a chart: the backend, and other properties that distinguish them."""
 
 from collections.abc import Sequence
 
@@ -11,12 +11,12 @@ _PREFIXES = ("option_", "setting_", "size_", "param_")
 
 
 def with_lines(frame: pd.DataFrame, columns: Sequence[str], among: pd.DataFrame) -> pd.DataFrame:
-    """A frame with a column ``line``: names made of `columns`, as short as tells them apart.
+    """Return a frame with a column ``line``: the shortest distinct names made of `columns`.
 
     Args:
-        frame: has these columns.
-        columns: what a line is one value of each of; the first is always named.
-        among: the rows to tell apart; columns with one value in all of them are not named.
+        frame: table with these columns.
+        columns: columns with one value per line; the first is always part of the name.
+        among: rows to distinguish; columns with a single value are not part of the name.
     """
     first, *others = columns
     varied = [name for name in others if among[name].nunique(dropna=False) > 1]
@@ -28,7 +28,7 @@ def with_lines(frame: pd.DataFrame, columns: Sequence[str], among: pd.DataFrame)
 
 
 def _word(column: str, value: object) -> str:
-    """``certified``, ``r=0.001``; empty where there is no value."""
+    """Return a part of a name: ``certified``, ``r=0.001``; empty without a value."""
     if pd.isna(value):  # type: ignore[call-overload]
         return ""
     shown = f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""Figures as SVG inside the page: no file, no font, no colour that dark mode misses."""
+"""Figures as inline SVG without files and fonts, and with all colours adapted to dark mode."""
 
 import io
 import re
@@ -16,7 +16,7 @@ from lacore_verification.report.charts.theme import VARIABLES, freeze, styled
 
 _POINTS = 72  # of an SVG of matplotlib per inch
 _REACH = 7.0  # points: radius around a marker that shows its values
-_DIGITS = 2  # of coordinates in points: finer than any screen
+_DIGITS = 2  # digits of coordinates in points: finer than any screen
 _NUMBER = re.compile(r"-?\d+\.\d+")
 _COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
 _FONT = re.compile(r"font(?:-family)?:[^;]*;?\s*")
@@ -27,7 +27,7 @@ _COORDINATES = ("d", "x", "y", "width", "height", "transform", "points", "cx", "
 
 
 class Tip(NamedTuple):
-    """Text that a reader sees over a point; coordinates are those of the data of `axes`."""
+    """Tooltip of a point; coordinates are those of the data of `axes`."""
 
     axes: Axes
     x: float
@@ -37,12 +37,12 @@ class Tip(NamedTuple):
 
 @dataclass(frozen=True)
 class Chart:
-    """A figure and what its points say.
+    """A figure with tooltips of its points.
 
     Attributes:
         figure: drawn with `lacore_verification.report.charts.theme.styled`.
-        summary: one sentence for those who cannot see it.
-        tips: values under the pointer.
+        summary: one sentence for readers who cannot see it.
+        tips: tooltips.
     """
 
     figure: Figure
@@ -51,10 +51,10 @@ class Chart:
 
 
 def inline(chart: Chart, name: str) -> Markup:
-    """A chart as an ``<svg>`` element for the page, of the same bytes on each run.
+    """Return a chart as an ``<svg>`` element for the page, with equal bytes on each run.
 
-    Lines and text take the colours of the page, text its font; points show their values under
-    the pointer. Nothing in it refers to anything outside.
+    Lines and text have the colours of the page, and text its font; points have tooltips. It has no
+    external references.
 
     Args:
         chart: the figure; its layout is frozen.
@@ -82,12 +82,12 @@ def inline(chart: Chart, name: str) -> Markup:
         "style": "stroke-linejoin: round; stroke-linecap: butt",
     }
     root.extend(_spots(chart))
-    # Data, not markup: the parser has escaped every text in it.
+    # This is data, not markup: the parser has escaped every text in it.
     return Markup(ElementTree.tostring(root, encoding="unicode", short_empty_elements=True))
 
 
 def _saved(figure: Figure) -> str:
-    """What matplotlib writes, its layout frozen so that points can be found again."""
+    """Return the output of matplotlib, with a fixed layout so that points can be located."""
     figure.set_dpi(_POINTS)
     with styled(), warnings.catch_warnings():
         # The browser has fonts for names that the one of matplotlib has no letters for.
@@ -99,7 +99,7 @@ def _saved(figure: Figure) -> str:
 
 
 def _drop(root: ElementTree.Element, tags: Sequence[str]) -> None:
-    """Remove what belongs to a file of its own; a style sheet in it would reach the whole page."""
+    """Remove elements of a separate file; a style sheet in it would apply to the whole page."""
     for parent in list(root.iter()):
         for child in [child for child in parent if child.tag in tags]:
             parent.remove(child)
@@ -109,7 +109,7 @@ def _drop(root: ElementTree.Element, tags: Sequence[str]) -> None:
 
 
 def _rename(root: ElementTree.Element, name: str) -> None:
-    """Number the ids that are referred to, behind the name; drop all others."""
+    """Number the referenced ids, after the name, and drop all others."""
     texts = [text for element in root.iter() for text in element.attrib.values()]
     used = set(re.findall(r"url\(#([^)]+)\)", " ".join(texts)))
     used |= {text[1:] for element in root.iter() if (text := element.get("href", ""))}
@@ -140,7 +140,7 @@ def _trim(root: ElementTree.Element) -> None:
 
 
 def _theme(element: ElementTree.Element) -> None:
-    """Colours become variables, fonts those of the page, coordinates short."""
+    """Replace colours by variables, fonts by those of the page, and round coordinates."""
     for key, text in element.attrib.items():
         if key in _COORDINATES and "scale" not in text and "matrix" not in text:
             element.set(key, _NUMBER.sub(lambda m: _short(float(m[0])), text))
@@ -165,7 +165,7 @@ def _short(value: float) -> str:
 
 
 def _spots(chart: Chart) -> Iterator[ElementTree.Element]:
-    """A circle over each point, seen only under the pointer."""
+    """Yield a circle over each point, visible only under the pointer."""
     scale = _POINTS / chart.figure.dpi
     height = chart.figure.get_figheight() * _POINTS
     for tip in chart.tips:

@@ -10,8 +10,8 @@ from lacore_verification.report.charts.axes import Axis, figure_axes, labelled, 
 from lacore_verification.report.charts.svg import Chart, Tip
 from lacore_verification.report.charts.theme import MARKERS, SERIES, styled
 
-_LETTERS = 14  # of the name of a version below the axis
-_TURNED = 4  # versions: with more, their names are turned
+_LETTERS = 14  # letters of the name of a version below the axis
+_TURNED = 4  # number of versions above which their names are rotated
 
 
 def by_version(data: pd.DataFrame, value: Axis, versions: Sequence[str], share: bool) -> Chart:

@@ -1,1 +1,1 @@
-"""A user's own problem from a file: what is asked of it, in words and on a page."""
+"""A user's problem from a file: requested analyses, with results as text and on a page."""

@@ -1,4 +1,4 @@
-"""The analyses that `lacore solve` makes of a problem, and their results."""
+"""Analyses of a problem by `lacore solve`, and their results."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -61,15 +61,15 @@ class ProblemResults:
 
 
 def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
-    """What the file asks for, and the command line beside it.
+    """Return the analyses requested by the file and the command line.
 
     Args:
         stated: the file.
-        backend: in place of that of the file.
+        backend: backend instead of that of the file.
         more: Values of options, by the names of analyses, and `interfaces` and `vary`.
 
     Raises:
-        InputError: an unknown backend or coupling, a width that is none; of the file with its line.
+        InputError: an unknown backend or coupling, or an invalid width; for the file with its line.
     """
     own = stated.asked
     if backend is not None:
@@ -125,7 +125,7 @@ def _check_file(stated: Stated) -> None:
 
 
 def _varied(stated: Stated, given: str | None) -> Varied | None:
-    """Of the command line, or else of the file."""
+    """Return the varied number of the command line, or else of the file."""
     if given is not None:
         return read_varied(stated.source, given, "--vary")
     if stated.asked.vary is not None:
@@ -134,15 +134,15 @@ def _varied(stated: Stated, given: str | None) -> Varied | None:
 
 
 def answered(problem: la.Problem, question: Question, doing: Status) -> ProblemResults:
-    """Answer a question.
+    """Compute the requested analyses.
 
     Args:
-        problem: of whom.
-        question: what is asked.
-        doing: says on the terminal what is being done.
+        problem: the problem.
+        question: the requested analyses.
+        doing: shows progress on the terminal.
 
     Raises:
-        InputError, CapabilityError: what cannot be asked of it, as far as that shows.
+        InputError, CapabilityError: an analysis is not supported, as far as that is known before.
     """
     begin = time.perf_counter()
     engine = la.find_backend(question.backend)
@@ -166,7 +166,7 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> ProblemR
         with doing(own.doing) as tell:
             try:
                 results[name] = own.ask(Given(state, question, tell))
-            except InputError as error:  # the load factor remains a valid result
+            except InputError as error:  # The load factor remains a valid result.
                 if own.binding:
                     raise
                 results[name] = text("no result: {}", error.text)

@@ -28,7 +28,7 @@ class Question:
         interfaces: Whether the factor of safety also divides friction of interfaces.
         cases: Reference loads by the name of their case, as places in the list of the problem.
         varied: Number of the file that varies; None: none does.
-        target: Load factor that is looked for along it.
+        target: Load factor to search for along it.
     """
 
     backend: str
@@ -62,7 +62,7 @@ class Given:
 
     @property
     def problem(self) -> la.Problem:
-        """The problem as stated."""
+        """The problem."""
         return self.state.discretisation.problem
 
     @property
@@ -79,7 +79,7 @@ class Analysis:
     Attributes:
         doing: Progress message.
         ask: Returns the result.
-        said: Returns the result in one line, in the units of the file.
+        said: Returns the result as one line, in the units of the file.
         document: Returns the numbers of the result.
         good: Whether the result is certified.
         automatic: Whether it is made of a state without being requested; None: only on request.
@@ -91,8 +91,8 @@ class Analysis:
         table: Table of its section; None: no table.
         table_title: Title of the table; empty: that of the section.
         script: Call in a script; None: none.
-        cases: Least and largest number of load cases.
-        takes: The same in words.
+        cases: Smallest and largest number of load cases.
+        takes: The same as text.
         dead: Whether it needs dead loads.
         varies: Whether it needs a number that varies.
         told: Result in the units of the file.

@@ -1,4 +1,4 @@
-"""Analyses of the load factor itself: bounds, ranges, safety, and what a mechanism carries."""
+"""Analyses of the load factor itself: bounds, ranges, safety, and range of a mechanism."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class DeadLoads:
 
 
 def _may_choose(state: la.LimitState) -> bool:
-    """Whether a mechanism may carry several load factors, and its backend can prove them."""
+    """Return whether a mechanism may carry several load factors, and its backend can prove them."""
     if state.status is not la.Status.SOLVED or not has_coulomb(state.discretisation.problem):
         return False
     return not la.find_backend(state.backend).capabilities.regularised
@@ -45,7 +45,7 @@ def _interval(found: la.Interval, units: Units) -> str:
 
 def _bracket(given: Given) -> la.Bracket:
     own = given.question
-    assert own.bracket is not None  # it is requested by its width
+    assert own.bracket is not None  # It is requested by its width.
 
     def on_step(step: Any) -> None:
         given.tell(f"{step.lower:.5g} to {step.upper:.5g}, {step.elements} elements")

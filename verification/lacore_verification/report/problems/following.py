@@ -1,4 +1,4 @@
-"""`lacore solve` of a file with a path: follow it, and write what each finished step leaves."""
+"""`lacore solve` for a file with a path: follow it, and write each finished step."""
 
 import time
 from collections.abc import Mapping
@@ -21,13 +21,13 @@ _OWN = (*(name for name, own in ANALYSES.items() if own.automatic is None), "int
 
 @dataclass(frozen=True)
 class Followed:
-    """A path that was followed.
+    """Result of a path.
 
     Attributes:
-        path: as far as it came.
-        backend: that solved it.
-        animated: whether the file asks for an animation.
-        seconds: of all of it.
+        path: the path up to its end.
+        backend: backend that solved it.
+        animated: whether the file requests an animation.
+        seconds: total time.
     """
 
     path: la.Path
@@ -43,10 +43,10 @@ class Followed:
 
 @dataclass
 class Steps:
-    """The steps that are finished, and the folder in which they are.
+    """Finished steps, and their folder.
 
     Attributes:
-        folder: of the report.
+        folder: folder of the report.
         finished: number of steps.
     """
 
@@ -61,7 +61,7 @@ class Steps:
         return f"{counted(self.finished, 'step')}; see {self.folder / HISTORY}"
 
     def hooks(self) -> list[la.Hook]:
-        """Hooks that write the history and the shapes, and count."""
+        """Return hooks that write the history and the shapes, and count."""
         for file in (self.folder / SHAPES).glob("*.vtu"):  # of an earlier path
             file.unlink()
         for name in (HISTORY, ANIMATION):
@@ -77,15 +77,15 @@ class Steps:
 
 
 def path_backend(stated: Stated, backend: str | None, more: Mapping[str, Any]) -> str:
-    """The backend that follows a path.
+    """Return the backend that follows a path.
 
     Args:
         stated: the file.
-        backend: in place of that of the file.
+        backend: backend instead of that of the file.
         more: analyses of the command line, by name.
 
     Raises:
-        InputError: an unknown backend, or an analysis that a path does not have.
+        InputError: an unknown backend, or an analysis that paths do not support.
     """
     why = "applies to the load factor of one shape, and the file has a table [path]"
     for name in _OWN:
@@ -107,10 +107,10 @@ def path_backend(stated: Stated, backend: str | None, more: Mapping[str, Any]) -
 
 
 def followed(stated: Stated, backend: str, steps: Steps, doing: Status) -> Followed:
-    """Follow the path that a file states.
+    """Follow the path of a file.
 
     Raises:
-        InputError: what a path cannot follow, with its line; nothing is followed then.
+        InputError: the path cannot be followed, with its line; nothing is followed then.
     """
     begin, asked = time.perf_counter(), stated.asked
     with doing("following the path") as tell:

@@ -139,7 +139,7 @@ ANALYSES: Mapping[str, Analysis] = {
     **VARYING,
     **AFTER,
 }
-"""By the key in ``[solve]``, which is that of the option."""
+"""Analyses by the key in ``[solve]``, which is that of the option."""
 
 
 def check(name: str, stated: Stated, varied: Varied | None) -> None:

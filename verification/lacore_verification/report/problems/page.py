@@ -37,7 +37,7 @@ from lacore_verification.report.problems.tables import in_units
 from lacore_verification.report.problems.words import claim, friction, loads_told, said_of
 
 _DPI = 110
-_ROWS = 400  # of a table that a page shows
+_ROWS = 400  # rows of a table on a page
 
 
 def page(
@@ -49,16 +49,16 @@ def page(
     text: str,
     machine: Mapping[str, str],
 ) -> Report:
-    """The page.
+    """Return the page.
 
     Args:
-        title: of the problem.
-        answer: to it.
-        told: what to say of it, by name.
-        units: that all of it is told in.
-        files: beside the page, with what each is for.
-        text: of the problem file.
-        machine: what it was found with.
+        title: title of the problem.
+        answer: its results.
+        told: texts on it, by name.
+        units: units of all values.
+        files: files next to the page, with their purpose.
+        text: text of the problem file.
+        machine: machine of the results.
     """
     state = answer.state
     sections = [
@@ -109,7 +109,7 @@ def _mechanism(state: la.LimitState, units: Units) -> Iterator[Block]:
 
 
 def described(problem: la.Problem, units: Units) -> Iterator[Block]:
-    """The problem: its picture, and its parts as it prints itself, with nothing cut off."""
+    """Yield the problem: its picture, and its parts as printed, without shortening."""
     caption = "The problem: supports, contact, loads"
     yield Gallery([_picture("problem", caption, problem, units)])
     reader = Reader(units, files=True)
@@ -180,7 +180,7 @@ def _tables(state: la.LimitState, units: Units) -> Iterator[Block]:
 
 
 def _history(history: pd.DataFrame) -> Iterator[Table]:
-    """Yield the solves, and their residuals, which have too many columns to stand beside them."""
+    """Yield the solves, and their residuals, whose columns need a separate table."""
     names = {entry.name for entry in fields(Certificate)}
     residuals = [str(name) for name in history if name in names]
     yield table_of(history.drop(columns=residuals), "Solves")
@@ -195,7 +195,7 @@ def table_of(
     heads: Mapping[str, str] = MappingProxyType({}),
     form: str = ".5g",
 ) -> Table:
-    """The first rows of a table, with the numbers in a format."""
+    """Return the first rows of a table, with the numbers in a format."""
     shown = frame.head(_ROWS)
     rest = f" (the first {_ROWS} of {len(frame)})" if len(frame) > _ROWS else ""
     columns = [

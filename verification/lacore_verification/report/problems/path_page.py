@@ -38,7 +38,7 @@ from lacore_verification.report.problems.page import described, table_of
 from lacore_verification.report.problems.writing import SCRIPT, write_text
 
 _DPI = 110
-_LINES = 10  # of a history on the terminal
+_LINES = 10  # lines of a history on the terminal
 _SHOWN = ("travel", "load_factor", "force", "max_strain", "overlap")
 
 
@@ -50,13 +50,13 @@ def lines(stated: Stated, found: Followed) -> dict[str, str]:
     if len(rows):
         loads, gap, overlap = (rows[own].to_numpy() for own in ("load_factor", "gap", "overlap"))
         name, size, label = "load factor", 1.0, ""
-        if not stated.problem.reference_loads:  # tools drive the path: it is their force
+        if not stated.problem.reference_loads:  # Tools drive the path, so it is their force.
             name, size, label = "force", units.size(_force(path)), f" {units.label(_force(path))}"
         told[name] = (
             f"from {loads[0] / size:.6g} in the first step to {loads[-1] / size:.6g}{label} in the"
             f" last; {certified(path)}, not a bound"
         )
-        deepest = units.told(float(overlap.max()), "m", digits=2)  # NaN where one of them is
+        deepest = units.told(float(overlap.max()), "m", digits=2)  # NaN if one of them is NaN
         told["residual"] = f"gap {gap.max():.1e}, overlap of bodies {deepest}"
         if forces := _forces(path, units):
             told["force on tools"] = forces
@@ -76,7 +76,7 @@ def certified(path: la.Path) -> str:
 
 
 def _forces(path: la.Path, units: Units) -> str:
-    """The contact forces on all tools in the last step; empty without tools."""
+    """Return the contact forces on all tools in the last step; empty without tools."""
     table, size = path.tool_forces(), units.size("N/m")
     told = [
         f"{name} ({x / size:.4g}, {y / size:.4g}) {units.label('N/m')}"
@@ -92,7 +92,7 @@ def _reached(path: la.Path, units: Units) -> str:
 
 
 def history_in(stated: Stated, path: la.Path) -> tuple[pd.DataFrame, dict[str, str]]:
-    """The main columns of a history in the units of the file, and their heads with these."""
+    """Return the main columns of a history in the units of the file, and their headings."""
     units = stated.units
     kinds = {"travel": "m", "force": _force(path)} if path.unit == "m" else {}
     table, heads = path.history[["step", *_SHOWN]].copy(), {"step": "step"}
@@ -101,15 +101,16 @@ def history_in(stated: Stated, path: la.Path) -> tuple[pd.DataFrame, dict[str, s
         table[name] = table[name] / units.size(unit)
         head = name.replace("_", " ").replace("max ", "largest ")
         heads[name] = f"{head} [{units.label(unit)}]" if unit else head
-    if path.unit != "m":  # a force needs a length that it acts along
+    if path.unit != "m":  # A force needs a length along which it acts.
         del table["force"], heads["force"]
-    if not stated.problem.reference_loads:  # tools drive the path: the load factor is their force
+    # Tools drive the path, so the load factor is their force.
+    if not stated.problem.reference_loads:
         del table["load_factor"], heads["load_factor"]
     return table, heads
 
 
 def _force(path: la.Path) -> str:
-    """The unit of the force of a control."""
+    """Return the unit of the force of a control."""
     return "N" if any(body.axisymmetric for body in path.stage.bodies.values()) else "N/m"
 
 
@@ -160,7 +161,7 @@ def _report(stated: Stated, found: Followed, files: dict[str, str]) -> Report:
 
 
 def _pictures(path: la.Path) -> Iterator[Block]:
-    """The pictures, which are in SI units as the files for ParaView are."""
+    """Yield the pictures, in SI units as the files for ParaView."""
     drawn = [Picture("path", "Shape at the end, and load factor", png(views.picture(path), _DPI))]
     if len(path.history):
         drawn.append(Picture("force", "Force over the travel", png(path.plot_force(), _DPI)))
@@ -186,7 +187,7 @@ def _tables(stated: Stated, path: la.Path) -> Iterator[Block]:
 
 
 def as_python(stated: Stated, found: Followed, folder: Path) -> str:
-    """The problem and its path, as a script in a folder."""
+    """Return the problem and its path, as a script in a folder."""
     more = {"backend": found.backend}
     more |= {"coupling": stated.asked.coupling} if stated.asked.coupling else {}
     problem = script(stated.program, folder)
@@ -199,7 +200,7 @@ def as_python(stated: Stated, found: Followed, folder: Path) -> str:
 
 
 def document(stated: Stated, found: Followed, page: Path | None) -> dict[str, Any]:
-    """All numbers of a path, and where its files are; a history in the units of the file."""
+    """Return all numbers of a path, and the places of its files, in the units of the file."""
     path, units = found.path, stated.units
     table, _ = history_in(stated, path)
     last = path.last

@@ -1,4 +1,4 @@
-"""An answer as a document for other programs."""
+"""Results as a document for other programs."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +14,7 @@ from lacore_verification.report.problems.words import mechanism
 
 
 def document(stated: Stated, answer: ProblemResults, page: Path | None) -> dict[str, Any]:
-    """All numbers of an answer, and where its files are."""
+    """Return all numbers of the results, and the places of its files."""
     state, reader = answer.state, Reader(stated.units, files=True)
     found: dict[str, Any] = {
         "title": stated.title,
@@ -44,5 +44,5 @@ def document(stated: Stated, answer: ProblemResults, page: Path | None) -> dict[
 
 
 def _units(units: Units) -> dict[str, str]:
-    """What all numbers of the document are in; forces are per width, but those of frames."""
+    """Return the units of all numbers; forces are per width, except those of frames."""
     return {"force": units.force, "length": units.length, "stress": units.stress}

@@ -1,4 +1,4 @@
-"""Tables of an answer in the units of a page."""
+"""Tables of results in the units of a page."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -23,12 +23,12 @@ _NAMES = ("frame", "body")
 def in_units(
     table: pd.DataFrame, units: Units, problem: la.Problem
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """The columns of a state in some units, and their heads with these.
+    """Return the columns of a state in some units, and their headings with these.
 
     Args:
-        table: in SI.
-        units: that forces, stresses and lengths are told in.
-        problem: that it is about.
+        table: table in SI.
+        units: units of forces, stresses and lengths.
+        problem: problem of the table.
     """
     frames = of_kind(problem.bodies, la.Frame)
     whole = any(body.axisymmetric for body in problem.bodies.values())
@@ -52,7 +52,7 @@ def interface_names(problem: la.Problem, units: Units) -> dict[str, str]:
 
 
 def sensitivity_in(found: la.Sensitivity, units: Units) -> la.Sensitivity:
-    """The same with values, derivatives and names of parameters in some units."""
+    """Return the sensitivities with values, derivatives and names of parameters in some units."""
     table = found.table.copy()
     framed = table["body"].isin(list(found.state.discretisation.frames))
     rows = list(zip(table["unit"], framed, strict=True))

@@ -23,12 +23,12 @@ Answered = TypeVar("Answered", la.Critical, la.WorstPosition)
 
 @dataclass(frozen=True)
 class Along(Generic[Answered]):
-    """An answer along a number of a file.
+    """Result along a number of a file.
 
     Attributes:
-        found: the answer, with the number in `unit`.
-        name: of the number.
-        unit: what it is told in; empty where it has none.
+        found: the result, with the number in `unit`.
+        name: name of the number.
+        unit: unit of the number; may be empty.
     """
 
     found: Answered
@@ -41,7 +41,7 @@ class Along(Generic[Answered]):
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def at(self, value: float, digits: int = 7) -> str:
-        """``0.3 m``."""
+        """Return a value as text, such as ``0.3 m``."""
         return f"{value:.{digits}g} {self.unit}".rstrip()
 
 
@@ -80,7 +80,7 @@ def _worst(given: Given) -> Along[la.WorstPosition]:
 
 
 def _varied(given: Given) -> Varied:
-    assert given.question.varied is not None  # it is checked before anything is solved
+    assert given.question.varied is not None  # It is checked before anything is solved.
     return given.question.varied
 
 
@@ -147,7 +147,7 @@ def _proof(found: la.Critical) -> str:
 
 
 def _others(found: la.Critical) -> str:
-    """What else was seen."""
+    """Return further findings."""
     more = texts(found.findings)
     return f"; {more}" if more else ""
 
@@ -163,7 +163,7 @@ def _numbers(own: Along[Any]) -> dict[str, Any]:
 
 
 def _crossings(own: Along[la.Critical], units: Units) -> dict[str, Any]:
-    """As a document."""
+    """Return the results as a document."""
     found = own.found
     crossings = [
         {
@@ -239,4 +239,4 @@ VARYING: Mapping[str, Analysis] = {
         drawn=_drawn,
     ),
 }
-"""By the key in ``[solve]``, which is that of the option."""
+"""Analyses by the key in ``[solve]``, which is that of the option."""

@@ -18,10 +18,10 @@ from lacore_verification.report.problems.answers import ProblemResults
 from lacore_verification.report.problems.more import ANALYSES
 from lacore_verification.report.problems.tables import interface_names
 
-_LOADS = 4  # loads that are described; others are counted
-_MOVES = 1e-6  # of the largest velocity: a slower part is at rest
-_TURNS = 1e-3  # of the largest velocity: a block that rotates more slowly slides
-_MOST = 0.9  # of the dissipation of a body, whose area is given
+_LOADS = 4  # number of loads that are described; others are counted
+_MOVES = 1e-6  # by the largest velocity: a slower part is at rest
+_TURNS = 1e-3  # by the largest velocity: a block that rotates more slowly slides
+_MOST = 0.9  # share of the dissipation of a body, whose area is given
 
 
 def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:

@@ -17,7 +17,8 @@ from lacore_verification.report.problems.asking import Question
 from lacore_verification.report.problems.page import page
 from lacore_verification.report.problems.words import lines
 
-_SHARES = (0.381966, 0.618034)  # of a range: no number of a file is there by chance
+# shares of a range that are unlikely to give another number of the file
+_SHARES = (0.381966, 0.618034)
 SCRIPT, STATE = "problem.py", "state.vtu"
 
 
@@ -35,15 +36,15 @@ def require_writable(folder: Path) -> None:
 def written(
     stated: Stated, question: Question, answer: ProblemResults, folder: Path, doing: Status
 ) -> Path:
-    """Write all files of an answer; returns the path of its page."""
+    """Write all files of the results, and return the path of the page."""
     files = {SCRIPT: "the same problem as a Python script"}
     write_text(folder / SCRIPT, as_python(stated, question, folder))
-    (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
+    (folder / STATE).unlink(missing_ok=True)  # from an earlier result
     if answer.state.point is not None:
         try:
             answer.state.to_vtu(folder / STATE)
         except InputError:
-            (folder / STATE).unlink(missing_ok=True)  # half of it
+            (folder / STATE).unlink(missing_ok=True)  # incomplete file
             raise
         files[STATE] = "velocities and stresses for ParaView, in SI units"
     with doing("writing the report"):
@@ -54,7 +55,7 @@ def written(
 
 
 def as_python(stated: Stated, question: Question, folder: Path) -> str:
-    """The problem and what is asked of it, as a script in a folder."""
+    """Return the problem and its requested analyses, as a script in a folder."""
     problem = script(stated.program, folder)
     paths = "from pathlib import Path\n\n" if "Path(__file__)" in problem else ""
     given = [f'backend="{question.backend}"']
@@ -73,7 +74,7 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
 
 
 def _along(question: Question, function: str) -> Iterator[str]:
-    """The problem at each value, as a function of Python, and what is asked with it."""
+    """Yield a Python function for the problem at each value, and the calls of its analyses."""
     varied = question.varied
     assert varied is not None
     if not function:
@@ -86,7 +87,7 @@ def _along(question: Question, function: str) -> Iterator[str]:
 
 
 def _function(varied: Varied, folder: Path) -> str:
-    """A script with ``value`` in place of the number; empty where more than that depends on it."""
+    """Return a script with ``value`` instead of the number; empty if more depends on it."""
     found = set()
     for share in _SHARES:
         value = float(f"{varied.low + share * (varied.high - varied.low):.9g}")

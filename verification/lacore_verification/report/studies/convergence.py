@@ -32,10 +32,10 @@ _RANGE = columns("start", "stop", *_POINTS, "floor", "reason")
 
 
 def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -> Section | None:
-    """Errors of regularised values against r or one penalty; None where it was not swept.
+    """Return errors of regularised values against r or one penalty; None if it was not swept.
 
     Args:
-        results: as of `load_results`.
+        results: see `load_results`.
         parameter: ``option_r``, ``option_eta``, ``option_bulk``, ``option_normal`` or
             ``option_tangential``.
     """
@@ -68,7 +68,7 @@ def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -
 
 
 def _against(errors: pd.DataFrame, fits: pd.DataFrame, x: Axis) -> Iterator[Drawing]:
-    """Two charts for each problem that was swept."""
+    """Yield two charts for each problem that was swept."""
     problem = problem_columns(errors)
     for names, own in groups(fits, problem):
         points = _rows(errors, names)
@@ -80,14 +80,14 @@ def _against(errors: pd.DataFrame, fits: pd.DataFrame, x: Axis) -> Iterator[Draw
 
 
 def refinement_section(results: pd.DataFrame) -> Section | None:
-    """Error against the reference under refinement; None where no mesh was refined."""
+    """Return the error against the reference under refinement; None without refinement."""
     fits = refinement_orders(results)
     if not len(fits):
         return None
     solved = results[results["error"].notna() & results["rigor"].ne("")]
     drawings = []
     for names, own in groups(fits, [n for n in problem_columns(fits) if n in fits]):
-        if own["slope"].notna().any():  # what is exact on every mesh does not converge
+        if own["slope"].notna().any():  # Results that are exact on every mesh do not converge.
             drawings += _refined(_rows(solved, names), own, _title(names))
     named = with_lines(fits, _solvers(fits, ""), fits)
     text = (
@@ -103,7 +103,7 @@ def refinement_section(results: pd.DataFrame) -> Section | None:
 
 
 def steps_section(results: pd.DataFrame) -> Section | None:
-    """Largest error of paths against their steps; None where these were not varied."""
+    """Return the largest error of paths against their steps; None if these were not varied."""
     fits = step_orders(results)
     if not len(fits):
         return None
@@ -144,7 +144,7 @@ def steps_section(results: pd.DataFrame) -> Section | None:
 
 
 def _refined(points: pd.DataFrame, fits: pd.DataFrame, title: str) -> list[Drawing]:
-    """Error against elements, and against time."""
+    """Return the error against elements, and against time."""
     columns = _solvers(fits, "")
     lines = with_lines(points, columns, fits)
     error = _fitted(points, fits, axes.ELEMENTS, axes.ERROR, tip=["mesh"])
@@ -169,7 +169,7 @@ def _solvers(fits: pd.DataFrame, parameter: str) -> list[str]:
 
 
 def _rows(frame: pd.DataFrame, names: dict[str, Any]) -> pd.DataFrame:
-    """Rows with these values, missing ones equal to missing ones."""
+    """Return the rows with these values; missing ones are equal to missing ones."""
     keep = pd.Series(True, index=frame.index)
     for name, value in names.items():
         same = frame[name].isna() if pd.isna(value) else (frame[name] == value).fillna(False)

@@ -38,11 +38,11 @@ _RATES = (
     " and correct count only what a backend answered itself, and not what lacore found by following"
     " a path."
 )
-_LEAST = 1.0  # s, that an unsolved problem counts in means of quick ones
+_LEAST = 1.0  # s, time of an unsolved problem in means of quick ones
 
 
 def studies(results: pd.DataFrame) -> list[Section]:
-    """Sections on regularisation, extrapolation, refinement, steps, and the cost of accuracy."""
+    """Return sections on regularisation, extrapolation, refinement, steps, and the cost of accuracy."""
     ran = results[results["verdict"] != SKIPPED]
     if not len(ran):
         return []
@@ -58,7 +58,7 @@ def studies(results: pd.DataFrame) -> list[Section]:
 
 
 def _extrapolation(results: pd.DataFrame) -> Section | None:
-    """Lambda extrapolated to r = 0."""
+    """Return lambda extrapolated to r = 0."""
     limits = lambda_limits(results) if "option_r" in results else pd.DataFrame()
     if not len(limits):
         return None
@@ -100,7 +100,7 @@ def _efforts(results: pd.DataFrame) -> Section | None:
 
 
 def _plain(results: pd.DataFrame) -> pd.DataFrame:
-    """Runs with the default loop; a backend with a few settings counts as several."""
+    """Return runs with the default loop; a backend with different settings counts as several."""
     results = with_settings(results)
     runs = results[(results["verdict"] != SKIPPED) & ~results["coupling"].isin(FINDS_NONE)]
     varied = [name for name in solver_columns(runs) if name not in ("backend", "coupling")]
@@ -108,9 +108,9 @@ def _plain(results: pd.DataFrame) -> pd.DataFrame:
 
 
 def _common(runs: pd.DataFrame) -> pd.DataFrame:
-    """Runs of solvers that were run on most problems, on the problems that all of these were.
+    """Return runs of solvers that were run on most problems, on their common problems.
 
-    A solver that was given other problems only is neither fast nor slow.
+    A solver that was only run on other problems cannot be compared.
     """
     if not len(runs):
         return runs

@@ -41,19 +41,19 @@ _DATA_PROFILE = (
     "This data profile counts the same problems as solved. It divides each solve time by the number"
     " of unknowns plus one, so that the profile of a solver does not depend on the other solvers."
 )
-SHIFT = 0.1  # s: solves that take much less count alike
+SHIFT = 0.1  # s: solves that take much less are equivalent
 _TITLE = "Solvers side by side"
 _SOLVER = columns("backend", "coupling")
 
 
 def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit: float) -> Section:
-    """How fast solvers are.
+    """Compare the speed of solvers.
 
     Args:
-        results: as of `load_results`, one row for each problem, backend and coupling.
-        solved_by: what counts as solved: ``claim``, ``certificate`` or ``verdict``.
-        unsolved: problems that nobody solved: ``keep`` or ``drop``.
-        limit: s, what an unsolved problem counts in the means.
+        results: see `load_results`; one row for each problem, backend and coupling.
+        solved_by: criterion for solved problems: ``claim``, ``certificate`` or ``verdict``.
+        unsolved: problems that no solver solved: ``keep`` or ``drop``.
+        limit: s, time of an unsolved problem in the means.
 
     Raises:
         InputError: several runs of one solver on one problem, or no such filter.
@@ -64,7 +64,7 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
         f" Of the {len(found.cost)} problems shown, those that no solver solved"
         f" ({found.nobody} in all) are {'kept' if unsolved == 'keep' else 'left out'}."
     )
-    if not np.isfinite(found.cost.to_numpy(dtype=float)).any():  # charts would be empty
+    if not np.isfinite(found.cost.to_numpy(dtype=float)).any():  # The charts would be empty.
         return Section("solvers", _TITLE, [Text("No run is solved.")])
     chart = axes.profile(performance_profile(found), axes.FACTOR)
     caption = "Share of problems solved within a multiple of the time of the fastest solver"
@@ -75,7 +75,7 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
 
 def _data_profile(found: Costs) -> Drawing:
     steps = data_profile(found)
-    # A logarithmic axis has no zero: profiles start from no problem at half the least budget.
+    # A logarithmic axis has no zero: profiles start at half the smallest budget.
     start = float(steps["budget"][steps["budget"] > 0].min()) / 2
     chart = axes.profile(steps.assign(budget=steps["budget"].clip(lower=start)), axes.BUDGET)
     caption = "Share of problems solved within a time per unknown"
@@ -83,7 +83,7 @@ def _data_profile(found: Costs) -> Drawing:
 
 
 def effort_section(results: pd.DataFrame) -> Section:
-    """What accuracy costs on each problem, and how much work it was."""
+    """Return the cost of accuracy for each problem, and the amount of work."""
     title = "Cost of accuracy, by problem"
     blocks = [_accuracy_table(results), _efforts_table(efforts(results))]
     return Section("effort", title, blocks)
@@ -107,7 +107,7 @@ _RATES = columns("success_rate", "certified_rate", "correctness_rate", "wrong_cl
 
 
 def rates_table(results: pd.DataFrame) -> Table:
-    """Return a table of claimed, certified and correct runs, and of who answered."""
+    """Return a table of claimed, certified and correct runs, with the origin of results."""
     found = rates(results).merge(answers(results).drop(columns="runs"), on=["backend", "coupling"])
     shown = columns(
         *_SOLVER,
@@ -218,7 +218,10 @@ def with_floor(found: pd.DataFrame, column: str) -> pd.DataFrame:
 
 
 def _accuracy_table(results: pd.DataFrame) -> Table:
-    """Least times, one column a level of error; each links to the row of its run."""
+    """Return the smallest times, one column per level of error.
+
+    Each links to the row of its run.
+    """
     found = costs_of_accuracy(results)
     names = ["case", "variant", "backend", "coupling"]
     levels = list(dict.fromkeys(found["level"]))
