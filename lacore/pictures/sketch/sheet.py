@@ -110,7 +110,7 @@ class Sheet:
         self.taken.append(self.arrows[-1])
 
     def band(self, edges: Edges, low: float, high: float) -> Floats:
-        """Return the corners (k, 4, 2) of strips outside of edges, between two distances in points."""
+        """Return the corners (k, 4, 2) of strips outside of edges; distances in points."""
         inner, outer = (edges.normal * away * self.point for away in (low, high))
         corners = [edges.start, edges.end]
         corners = [*(c + inner for c in corners), *(c + outer for c in reversed(corners))]
