@@ -118,10 +118,7 @@ def repeated_steps(bench: Bench) -> Iterator[Finding]:
 
 
 def hardening(bench: Bench) -> Iterator[Finding]:
-    """Yield findings on a program with hardening.
-
-    Solved if supported, else rejected with a message.
-    """
+    """Yield findings on hardening: solved if supported, else rejected with a message."""
     name, can = "hardening", bench.subject.backend.capabilities.hardening
     try:
         bench.prepare(two_that_harden().program).close()
@@ -145,7 +142,7 @@ def surfaces(bench: Bench) -> Iterator[Finding]:
 
 
 def two_solvers(bench: Bench) -> Iterator[Finding]:
-    """Yield findings on two solvers of one backend, used in turn, after a third was closed unused."""
+    """Yield findings on two solvers used in turn, after a third was closed unused."""
     bench.prepare(_FRICTION.program).close()
     steep, other = (
         _friction(1.0, "two solvers: first"),

@@ -80,7 +80,7 @@ def _cut_off() -> list[Worked]:
 
 
 def _around() -> Worked:
-    """Return two volumetric rates, of the sum and of the third direction, with stresses P, t - P."""
+    """Return two volumetric rates (of the sum, of the third direction) with stresses P, t - P."""
     return Worked(
         "Mohr-Coulomb around an axis",
         "b = 2.2, the third stress t is the least: of three planes q + P - t/4 <= 2.75 flows alone,"

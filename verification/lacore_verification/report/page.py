@@ -98,10 +98,7 @@ def by_case(outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Own]:
 
 
 def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """List the pictures of a report.
-
-    For each case `most` mechanisms and brackets, or its problem.
-    """
+    """List the pictures of a report: `most` mechanisms and brackets per case, or its problem."""
     groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.run.case.id, []).append(outcome)

@@ -42,7 +42,7 @@ _LEAST = 1.0  # s, time of an unsolved problem in means of quick ones
 
 
 def studies(results: pd.DataFrame) -> list[Section]:
-    """Return sections on regularisation, extrapolation, refinement, steps, and the cost of accuracy."""
+    """Return sections on regularisation, extrapolation, refinement, steps and cost of accuracy."""
     ran = results[results["verdict"] != SKIPPED]
     if not len(ran):
         return []
