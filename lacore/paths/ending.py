@@ -19,8 +19,7 @@ class Ending(Enum):
     STEADY = "load and flow have become stationary"
     INVERSION = (
         "the next step would turn an element inside out: start from elements that are drawn out"
-        " across the flow, mesh anew from the last configuration, or take smaller steps if these"
-        " are long"
+        " across the flow, mesh anew from the last configuration, or take smaller steps"
     )
     OVERLAP = "the next configuration is no mesh: mesh anew, or take smaller steps"
     PENETRATION = (

@@ -8,7 +8,6 @@ import numpy as np
 
 from lacore.limit.state import LimitState
 from lacore.model.bodies.touching import TOUCH
-from lacore.model.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
 from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
@@ -16,6 +15,7 @@ from lacore.paths.contact.folding import Fold, first_fold
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending, PathEndError, refused
 from lacore.paths.flow import Flow, Moment, WarmStart, flow
+from lacore.paths.renewal.inversion import require_upright
 from lacore.paths.selection import LeastNorm, least_norm
 from lacore.paths.stage import Stage
 from lacore.paths.tools.overlap import contacts
@@ -23,7 +23,6 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
-from lacore.reporting.text import Quantity
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
 _NOISE = 1e-5  # of the body size: noise of displacements whose velocities are barely determined
@@ -34,7 +33,6 @@ _CLOSING_DURATION = 0.01  # the same if distances close: bodies may overlap by t
 _GUESSES = 4  # of the duration of a step
 _BEFORE, _BEFORE_FIRST = 0.25, 0.5  # of the rate before in that of the first half of a step
 _LOCKED = 1e4  # of a yield stress over the whole body: larger than the load of any flow
-_INVERTED = 1e-3  # least Jacobian of an element, per its mean at the beginning of the path
 _STILL = 1e-9  # of the largest velocity: a slower control counts as stationary
 
 Fields = Mapping[str, Floats]
@@ -136,7 +134,7 @@ class StepSolver:
             PathEndError: There is no certified answer, a mesh is invalid, or the control is
                 stationary.
         """
-        require_upright(self.stage, moment.at)
+        require_upright(self.stage, moment.begin, moment.at, moment.share)
         _require_unfolded(self.stage, moment.begin, moment.at, warm)
         try:
             self.solving(self.stage, moment, None)
@@ -263,7 +261,7 @@ def implicit_midpoint(solver: StepSolver, here: Here, distance: float, warm: War
         strained_off = Finding(Kind.STRAIN_TOO_LARGE, severity=Severity.REASON)
         raise PathEndError(Ending.NOT_ITERATED, strained_off)
     end = here.configuration.moved(_scaled(found.velocity, duration), strained)
-    require_upright(solver.stage, end)
+    require_upright(solver.stage, here.configuration, end)
     _require_unfolded(solver.stage, here.configuration, end, warm)
     load, _, warm = solver.flow(Moment(end, end, duration, 0.0), warm)
     error = _change(solver, here, found, distance, speed)
@@ -292,26 +290,6 @@ SCHEMES: Mapping[str, Scheme] = {
     "implicit-midpoint": implicit_midpoint,
     "implicit-euler": implicit_euler,
 }
-
-
-def require_upright(stage: Stage, configuration: Configuration) -> float:
-    """Return the least Jacobian of all elements, divided by the mean over its element (T31).
-
-    Raises:
-        PathEndError: It is not positive, so an element is inverted or may be.
-    """
-    least = np.inf
-    for name, mesh in stage.meshes_at(configuration).items():
-        values = signed_jacobians(mesh) * stage.turns[name][:, None]
-        each = values.min(axis=1) / np.abs(values.mean(axis=1))
-        worst = int(np.argmin(each))
-        least = min(least, float(each[worst]))
-        if not each[worst] > _INVERTED:
-            middle = tuple(mesh.p[:, mesh.t[:, worst]].mean(axis=1).tolist())
-            found = {"element": worst, "place": Quantity(middle, "m", ".4g")}
-            element = Finding(Kind.ELEMENT, (name,), found, Severity.DETAIL)
-            raise PathEndError(Ending.INVERSION, element)
-    return least
 
 
 def _require_unfolded(

@@ -15,6 +15,7 @@ from lacore.paths.hooks.hook import AFTER_REMESHING, AFTER_STEP, BEFORE_REMESHIN
 from lacore.paths.logbook import Log
 from lacore.paths.pace import Pace
 from lacore.paths.path import PathStep
+from lacore.paths.renewal.inversion import require_upright
 from lacore.paths.renewal.remeshing import (
     NewMeshes,
     Remesh,
@@ -24,7 +25,7 @@ from lacore.paths.renewal.remeshing import (
     restaged,
     transfer_text,
 )
-from lacore.paths.schemes import FoldedError, Here, Scheme, StepSolver, Stride, require_upright
+from lacore.paths.schemes import FoldedError, Here, Scheme, StepSolver, Stride
 from lacore.paths.selection import LeastNorm
 from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady
@@ -186,7 +187,7 @@ def _whole_or_to_fold(
             speed=stride.speed,
             growth=1.0 if here.velocity is None else stride.speed / here.speed,
         )
-        jacobian = require_upright(solver.stage, configuration)
+        jacobian = require_upright(solver.stage, here.configuration, configuration)
         further = {name: (1 + _AHEAD) * moved for name, moved in moves.items()}
         beyond = here.configuration.moved(further, stride.strained)
         stage = solver.stage

@@ -177,7 +177,7 @@ class Kind(Enum):
     STOPPED_AFTER_SEARCHES = "by its time limit of {limit:g} s, after {done} of {every} searches"
 
     # Paths
-    ELEMENT = "element {element} of {where!r} near {place}"
+    ELEMENT = "element {element} of {where!r} near {place}, after {share} of the step"
     EVENT = "{what}"
     FOLD = "the boundary of {where!r} touches itself near {place}"
     CORNER_INSIDE = "{where}: a corner of one body is {depth} inside the other near {place}"

@@ -1,5 +1,6 @@
 """Paths of large deformation against what must come out of them."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -223,6 +224,20 @@ def test_no_result_beyond_an_inverted_element():
     assert (path.history.min_jacobian > 0).all()
     assert path.history.end.iloc[-1] == path.snapshots[-1].travel
     path.problem()  # still a mesh
+
+
+def test_the_message_states_how_long_elements_stay_upright():
+    """A step of the rigid-plastic block inverts its elements when the footing reaches its base."""
+
+    def followed(travel):
+        problem = block(MESHES["triangles"], LAWS["perfect"])
+        return la.sequential(problem, travel, 1, "explicit")
+
+    path = followed(2.0)
+    assert path.status is Ending.INVERSION
+    share = int(re.search(r", after (\d+) % of the step: the next step", path.message)[1]) / 100
+    assert followed(2.0 * (share - 0.011)).status is Ending.REACHED
+    assert followed(2.0 * (share + 0.011)).status is Ending.INVERSION
 
 
 def test_steps_longer_than_the_body_are_stopped():

@@ -86,8 +86,7 @@ def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
             la.Fix("die", "block"),
         ],
         interfaces=[
-            la.Interface(("sheet", side), (tool, "block"), mu)
-            for tool, (_, side) in _TOOLS.items()
+            la.Interface(("sheet", side), (tool, "block"), mu) for tool, (_, side) in _TOOLS.items()
         ],
         reference_loads=[la.PointForce("punch", "block", _MOTION)],
     )

@@ -13,7 +13,9 @@ r"""A wedge cuts on into a notch, to several times its depth, on meshes along it
 The body begins with the notch and the lip that the wedge leaves at a quarter of the last depth. It
 gets a new mesh before each step: rays from the end of the contact, and rows along the line on which
 the velocity jumps. Below the tip the section of symmetry is cut over the travel of a step, and both
-sides of the cut are pressed together. The material separates at the tip, as it does in the exact
+sides of the cut are pressed together. A path begins at a depth of at least six steps: the elements
+are as small as the depth, and a step that is longer in comparison inverts those at the tip or at
+the foot of the lip. The material separates at the tip, as it does in the exact
 solution, and the vertex at the tip moves along the face. The face of the wedge is a plane here,
 since the other half of the body has the other face. New meshes keep the area: the edge at the end
 of the contact is divided into a part of the face and a straight edge. Since the velocity jumps at
