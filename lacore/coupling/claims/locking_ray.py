@@ -165,9 +165,9 @@ def _endless(group: DissipationGroup) -> _Endless:
     dim, volumes, count = group.dim, group.volumes, group.weights.size
     shears = [csr_matrix((0, count * dim))]
     means = [csr_matrix((0, count * volumes))]
-    edges = np.zeros((count, 0, 1 + volumes)) if group.surfaces is None else group.surfaces.edges
-    for number in range(edges.shape[1]):
-        shear, mean = edges[:, number, 0], edges[:, number, 1:]
+    edges = () if group.surfaces is None else tuple(np.moveaxis(group.surfaces.edges, 1, 0))
+    for edge in edges:
+        shear, mean = edge[:, 0], edge[:, 1:]
         for direction in _directions(dim) if np.any(shear) else np.zeros((1, dim)):
             shears.append(_of_points(shear[:, None] * direction, count, dim))
             means.append(_of_points(mean, count, volumes))
