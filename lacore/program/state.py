@@ -9,6 +9,8 @@ from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import KinematicProgram
 from lacore.reporting.showing import Compact
 
+_NO_POWER = 1e-12  # of the sum of sizes: the round-off in a power that vanishes
+
 
 @dataclass(frozen=True, repr=False)
 class ProgramState(Compact):
@@ -81,12 +83,44 @@ class ProgramState(Compact):
         )
 
 
-def shapes(
+def misfit(program: KinematicProgram, state: ProgramState) -> str:
+    """Return the first part of a state that has another shape than in a program, or nothing."""
+    groups = len(program.groups)
+    for given in (state.stress, state.mean_stress):
+        if len(given) != groups:
+            return f"stresses for {len(given)} of {groups} groups"
+    for name, values, shape in _parts(program, state):
+        own = np.asarray(values).shape
+        if own != shape:
+            return f"a {name} of shape {own} instead of {shape}"
+    return ""
+
+
+def fault_of_point(program: KinematicProgram, state: ProgramState) -> str:
+    """Return why a state is no solution of a program, whatever its residuals; empty if it may be.
+
+    A solution has the shapes of the program, finite numbers, and a velocity on which the reference
+    load does work.
+    """
+    if found := misfit(program, state):
+        return found
+    for name, values, _ in _parts(program, state):
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiu" or not np.isfinite(array).all():
+            return f"a {name} with NaN, infinity or no numbers at all"
+    power = float(program.reference_load @ state.velocity)
+    size = float(np.abs(program.reference_load) @ np.abs(state.velocity))
+    if not abs(power) > _NO_POWER * size:
+        return f"a velocity with F0.U = {power:.3g}, where the program requires F0.U = 1"
+    return ""
+
+
+def _parts(
     program: KinematicProgram, state: ProgramState
 ) -> Iterator[tuple[str, object, tuple[int, ...]]]:
-    """Name, numbers, and the shape that a program gives them, of all parts of a state.
+    """Yield the name, the numbers and the required shape of all parts of a state.
 
-    It has as many groups of stresses as the program.
+    The state has as many groups of stresses as the program.
     """
     contact = program.contact
     yield "velocity", state.velocity, (program.n,)
@@ -96,19 +130,6 @@ def shapes(
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
         yield f"stress of {group.name!r}", stress, (group.weights.size, group.dim)
         yield f"mean_stress of {group.name!r}", mean, (group.volumetric.shape[0],)
-
-
-def misfit(program: KinematicProgram, state: ProgramState) -> str:
-    """What of a state has other shapes than those of a program; empty where nothing has."""
-    groups = len(program.groups)
-    for given in (state.stress, state.mean_stress):
-        if len(given) != groups:
-            return f"stresses for {len(given)} of {groups} groups"
-    for name, values, shape in shapes(program, state):
-        own = np.asarray(values).shape
-        if own != shape:
-            return f"a {name} of shape {own} instead of {shape}"
-    return ""
 
 
 def internal_force(program: KinematicProgram, state: ProgramState) -> Floats:

@@ -13,11 +13,9 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-import numpy as np
-
 from lacore.program.kinematic import FrozenContact, KinematicProgram, require_finite
 from lacore.program.regularization import RegularisedValues
-from lacore.program.state import ProgramState, misfit, shapes
+from lacore.program.state import ProgramState, fault_of_point
 from lacore.reporting.errors import CapabilityError, InputError, is_number, require_known
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
@@ -29,7 +27,6 @@ REPORTED = (
 """Statuses of one solve; the others are those of the whole computation."""
 NO_ANSWER = "no answer"
 """Native status of a solve whose answer cannot be used."""
-_NO_POWER = 1e-12  # power, by the sum of sizes, that counts as zero
 _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would make tables unreadable
 
 
@@ -337,17 +334,7 @@ def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) 
         return f"no point with status {answer.status.name}" if claims else ""
     if regularised and answer.regularised is None:
         return "no regularised values (T19)"
-    if fault := misfit(program, point):
-        return fault
-    for name, values, _ in shapes(program, point):
-        array = np.asarray(values)
-        if array.dtype.kind not in "fiu" or not np.isfinite(array).all():
-            return f"a {name} with NaN, infinity or no numbers at all"
-    power = float(program.reference_load @ point.velocity)
-    size = float(np.abs(program.reference_load) @ np.abs(point.velocity))
-    if not abs(power) > _NO_POWER * size:
-        return f"a velocity with F0.U = {power:.3g}, where the program requires F0.U = 1"
-    return ""
+    return fault_of_point(program, point)
 
 
 def read_options(backend: Backend, given: Mapping[str, Any]) -> Any:
