@@ -174,7 +174,7 @@ class AutoSolver:
 
     def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Attempt":
         """Return the answer of one solver within the remaining time, with its residual."""
-        from lacore.solvers.inner.left_over import judged_left
+        from lacore.program.residuals import solve_residual
 
         # imported here so that `capabilities` does not load it
         from lacore_backends._embedding.dilating import as_moved
@@ -187,7 +187,7 @@ class AutoSolver:
                 solver.close()
         left, allowed = np.inf, _LEFT * self._options.tolerance
         if answer.point is not None:
-            left = judged_left(*as_moved(self._program, answer.point), contact, allowed)[1]
+            left = solve_residual(*as_moved(self._program, answer.point), contact, allowed)[1]
         # If `interior_point` ended early, `clarabel` may still prove its answer.
         good = left <= allowed and (name == _OTHER or answer.status is Status.SOLVED)
         return _Attempt(name, answer, left, ends=good or answer.status in _WORDS)

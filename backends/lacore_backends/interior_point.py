@@ -20,12 +20,12 @@ from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.program.residuals import solve_residual
 from lacore.program.state import ProgramState
 from lacore.reporting.errors import require_count, require_positive
 from lacore.reporting.status import Status
 from lacore.solvers.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.solvers.compilation import compiling
-from lacore.solvers.inner.left_over import judged_left
 from lacore_backends._embedding.arrays import Translation
 from lacore_backends._embedding.dilating import as_moved
 from lacore_backends._embedding.follow import EmbeddingResult, follow
@@ -235,7 +235,7 @@ class InteriorPointSolver:
         if status is not Status.SOLVED:
             return answer
         allowed = _LEFT * self._options.tolerance
-        name, left = judged_left(*as_moved(self._given, point), contact, allowed)
+        name, left = solve_residual(*as_moved(self._given, point), contact, allowed)
         if left <= allowed:
             return answer
         return replace(

@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from lacore.coupling.claims.free_motion import NO_POWER, without_dissipation
 from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.options import CouplingOptions
 from lacore.numerics.arrays import Floats
 from lacore.program.certificate import Certificate, certify
+from lacore.program.free_motion import NO_POWER, without_dissipation
 from lacore.program.kinematic import FrozenContact, KinematicProgram, reaction_contact
+from lacore.program.residuals import impossible
 from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
-from lacore.solvers.inner.left_over import impossible
 
 CENTRAL_PATH = "path"
 """Kind of the iterates that lacore computes itself, along a central path of rigid blocks."""

@@ -9,8 +9,8 @@ import lacore as la
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import symmetric_solver
 from lacore.program.kinematic import associated_contact
+from lacore.program.residuals import scaled_residual
 from lacore.reporting.status import Status
-from lacore.solvers.inner.left_over import left_over
 from lacore_backends._embedding.arrays import Translation
 from lacore_backends._embedding.follow import follow
 from lacore_backends._embedding.loops.best import best_loops
@@ -70,7 +70,7 @@ def test_the_load_is_what_balances_the_weight(hardens):
     assert found.status is Status.SOLVED
     # Power of both loads is in balance to the tolerance of powers, those of the same velocity.
     assert found.point.load_factor == pytest.approx(WEIGHT, rel=TOLERANCE)
-    assert left_over(program, found.point, contact)[1] <= BAR
+    assert scaled_residual(program, found.point, contact)[1] <= BAR
 
 
 @pytest.mark.parametrize("material", [la.VonMises(shear_strength=1.0), la.NoTension(5.0)])
@@ -82,7 +82,7 @@ def test_loads_that_carry_each_other_leave_no_stress(weight, material):
     assert found.native_status == "in balance"
     assert found.point.load_factor == pytest.approx(weight, rel=1e-9, abs=1e-9)
     assert not any(stress.any() for stress in found.point.stress)
-    assert left_over(program, found.point, contact)[1] <= BAR
+    assert scaled_residual(program, found.point, contact)[1] <= BAR
 
 
 def test_little_weight_along_the_rails_is_what_the_load_balances():
@@ -105,7 +105,7 @@ def test_more_ways_to_move_than_rows_are_found(touching):
     found = solved(program, contact)
     assert found.status is Status.SOLVED
     assert found.point.load_factor == pytest.approx(0.3, rel=BAR)
-    assert left_over(program, found.point, contact)[1] <= BAR
+    assert scaled_residual(program, found.point, contact)[1] <= BAR
 
 
 def test_two_loads_along_two_free_ways_are_not_carried():

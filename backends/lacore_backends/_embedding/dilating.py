@@ -12,8 +12,8 @@ from scipy.sparse import csr_matrix, hstack
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.program import KinematicProgram
 from lacore.program.dissipation import DissipationGroup
+from lacore.program.residuals import dilates_besides
 from lacore.program.state import ProgramState
-from lacore.solvers.inner.left_over import dilates_besides
 
 
 def as_moved(

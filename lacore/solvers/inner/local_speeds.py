@@ -21,9 +21,9 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.program.dissipation import DissipationGroup
 from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.residuals import dilates_besides
 from lacore.program.state import ProgramState
 from lacore.solvers.backend import InnerSolution, Prepare, checked_answer
-from lacore.solvers.inner.left_over import dilates_besides
 from lacore.solvers.inner.rescaling import largest_residual, of_both
 
 _LEFT = 10.0  # residual, by the required one, at which another solve pays

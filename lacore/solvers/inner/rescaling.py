@@ -20,10 +20,10 @@ from lacore.numerics.arrays import Floats, Sparse
 from lacore.program.certificate import certify
 from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 from lacore.program.part_forces import own_loads, part_forces
+from lacore.program.residuals import dilates_besides, solve_residual
 from lacore.program.state import ProgramState
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, checked_answer
-from lacore.solvers.inner.left_over import dilates_besides, judged_left
 from lacore.solvers.inner.rigid_cleaning import cleaned
 
 GOOD = 1e-8  # required residual by default
@@ -172,7 +172,7 @@ def largest_residual(
     """
     if answer.point is None:
         return np.inf
-    left = judged_left(program, answer.point, contact, _BAR)[1]
+    left = solve_residual(program, answer.point, contact, _BAR)[1]
     return left if np.isfinite(left) else np.inf
 
 
@@ -197,7 +197,7 @@ def proven(
     bar = max(good / _SHARE, _BAR)
     if answer.status is not Status.SOLVED or answer.point is None or dilates_besides(program):
         return answer
-    name, left = judged_left(program, answer.point, contact, bar)
+    name, left = solve_residual(program, answer.point, contact, bar)
     if left <= bar:
         return answer
     said = f"the residual {name!r}, recomputed, is {left:.1e}"

@@ -8,9 +8,9 @@ from click.testing import CliRunner
 
 from lacore.program.certificate import certify
 from lacore.program.kinematic import require_finite
+from lacore.program.residuals import largest_power
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, find_backend
-from lacore.solvers.inner.left_over import could_turn_over
 from lacore_verification.commands.cli import main
 from lacore_verification.fuzz.programs.drawn import DRAWN, draw_program
 from lacore_verification.fuzz.programs.judge import (
@@ -138,7 +138,7 @@ def test_a_soil_that_carries_nothing_is_measured_by_its_strength():
     alone = (one for one in every if not any(g.bound.any() for g in one.groups))
     strong = next(one for one in alone if all(g.surfaces.strength.max() > 0 for g in one.groups))
     velocity = np.random.default_rng(0).normal(size=strong.n)
-    assert could_turn_over(strong, velocity) > 0
+    assert largest_power(strong, velocity) > 0
 
 
 def test_counts_add_up():

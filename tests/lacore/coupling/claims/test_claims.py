@@ -7,8 +7,8 @@ import pytest
 
 import lacore as la
 from lacore.coupling.claims.dead_collapse import dead_collapse
-from lacore.coupling.claims.free_motion import without_dissipation
 from lacore.coupling.claims.locking_ray import locking_ray
+from lacore.program.free_motion import without_dissipation
 from lacore.program.kinematic import associated_contact, dimensionless, frictionless_contact
 from lacore.solvers.backend import InnerSolution
 from lacore.solvers.inner.preparing import preparer

@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from lacore.coupling.claims.free_motion import without_dissipation
+from lacore.program.free_motion import without_dissipation
 from lacore.program.kinematic import FrozenContact
 from lacore.program.state import ProgramState
 from tests.lacore.planted import on_free_unknowns, pushed_weight

@@ -13,8 +13,8 @@ from lacore.coupling.claims import dead_collapse as collapses
 from lacore.coupling.claims import locking_ray as rays
 from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.coupling.claims.dead_loads import _mechanism_residual, prove_dead_loads
-from lacore.coupling.claims.free_motion import without_dissipation
 from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, _ways, locking_ray
+from lacore.program.free_motion import without_dissipation
 from lacore.program.kinematic import FrozenContact, associated_contact, reaction_contact
 from lacore.program.state import out_of_balance
 from lacore.reporting.status import Status

@@ -11,6 +11,7 @@ import numpy as np
 
 from lacore.coupling.claims.proving import prove_claim
 from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.residuals import scaled_residual
 from lacore.reporting.errors import CapabilityError, LacoreError
 from lacore.reporting.status import Status
 from lacore.solvers.backend import (
@@ -23,7 +24,6 @@ from lacore.solvers.backend import (
 )
 from lacore.solvers.child_process import ENDED
 from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
-from lacore.solvers.inner.left_over import left_over
 from lacore.solvers.inner.preparing import preparer
 from lacore.solvers.inner.rescaling import good_for
 from lacore.solvers.isolated_solver import LEFT_RUNNING
@@ -165,7 +165,7 @@ def _spent(backend: Backend) -> float:
 def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
     """The worst residual; powers per what is turned over, or per a little of what could be."""
     assert answer.point is not None
-    return left_over(drawn.program, answer.point, drawn.contact)[1]
+    return scaled_residual(drawn.program, answer.point, drawn.contact)[1]
 
 
 def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> str:

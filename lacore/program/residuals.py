@@ -26,7 +26,7 @@ def dilates_besides(program: KinematicProgram) -> bool:
     return any(group.dilates_besides for group in program.groups)
 
 
-def left_over(
+def scaled_residual(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact
 ) -> tuple[str, float]:
     """Name and size of the worst residual by a frozen contact; infinite where one is not finite."""
@@ -47,13 +47,13 @@ def left_over(
     return name, found[name]
 
 
-def judged_left(
+def solve_residual(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact, bar: float
 ) -> tuple[str, float]:
-    """Return the worst residual of the certificate, or of `left_over` if it is 0/0."""
+    """Return the worst residual of the certificate, or of `scaled_residual` if it is 0/0."""
     name, left = certify(program, point, contact).worst
     if not left <= bar and idle(program, point, contact):
-        return left_over(program, point, contact)
+        return scaled_residual(program, point, contact)
     return name, left if np.isfinite(left) else np.inf
 
 
@@ -76,10 +76,10 @@ def _powers(
     dead = abs(float(at.dead_load @ velocity))
     # This is the scale of powers in certificates, except for dilatant friction.
     power = at.plastic_dissipation(velocity) + friction + dead
-    return power, _IDLE * could_turn_over(program, velocity)
+    return power, _IDLE * largest_power(program, velocity)
 
 
-def could_turn_over(program: KinematicProgram, velocity: Floats) -> float:
+def largest_power(program: KinematicProgram, velocity: Floats) -> float:
     """Return the power of all cones and the dead loads at the largest speed."""
     total = float(np.abs(program.dead_load).sum())
     for group in program.groups:

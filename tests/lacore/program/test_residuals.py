@@ -8,9 +8,9 @@ import pytest
 import lacore as la
 from lacore.program.certificate import certify
 from lacore.program.kinematic import associated_contact
+from lacore.program.residuals import idle, impossible, scaled_residual, solve_residual
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, find_backend, read_options
-from lacore.solvers.inner.left_over import idle, impossible, judged_left, left_over
 from lacore.solvers.inner.preparing import preparer
 from lacore.solvers.inner.rescaling import RescalingSolver, good_for, proven
 from lacore_verification.fuzz.programs.drawn import draw_program
@@ -45,13 +45,13 @@ def test_flow_that_is_not_possible_is_a_rate_where_no_power_is_turned_over(free)
     program, contact, answer = free
     assert idle(program, answer.point, contact)
     assert certify(program, answer.point, contact).divergence > BAR
-    assert left_over(program, answer.point, contact)[1] <= BAR
+    assert scaled_residual(program, answer.point, contact)[1] <= BAR
     # A square that shrinks at a rate of one, and its load's speed is one: no soil flows like that.
     volumes = program.groups[0].volumetric
     shrinking = np.linalg.lstsq(volumes.toarray(), -np.ones(volumes.shape[0]))[0]
     moved = replace(answer.point, velocity=answer.point.velocity + shrinking)
     assert impossible(program, moved) > 0.1
-    assert left_over(program, moved, contact)[1] > BAR
+    assert scaled_residual(program, moved, contact)[1] > BAR
 
 
 def test_the_load_factor_of_a_motion_that_takes_no_power_is_zero():
@@ -69,9 +69,9 @@ def test_the_load_factor_of_a_motion_that_takes_no_power_is_zero():
     point = solver.solve(contact).point
     solver.close()
     assert idle(program, point, contact)
-    assert judged_left(program, point, contact, BAR)[1] <= BAR
+    assert solve_residual(program, point, contact, BAR)[1] <= BAR
     for claimed in (1e-3, -1.0, 1e3):
-        name, left = judged_left(program, replace(point, load_factor=claimed), contact, BAR)
+        name, left = solve_residual(program, replace(point, load_factor=claimed), contact, BAR)
         assert name == "load"
         assert left > BAR
 
@@ -82,7 +82,7 @@ def test_what_overflows_is_above_every_bar(free):
     velocity = 1e200 * (1 + answer.point.velocity)
     off = replace(answer.point, stress=stress, velocity=velocity)
     with np.errstate(all="ignore"):
-        assert judged_left(program, off, contact, BAR)[1] == np.inf
+        assert solve_residual(program, off, contact, BAR)[1] == np.inf
 
 
 def test_soil_that_nothing_holds_is_free():
