@@ -35,7 +35,7 @@ from lacore.model.bodies.continuum.regions.gathering import (
 from lacore.model.bodies.continuum.regions.lattices import on_lattice
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Bools, Floats
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
     DissipationGroup,
     KinematicProgram,
@@ -265,7 +265,7 @@ def _bound(
     discretisation = state.discretisation
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
-    penetration = certify(program, point, associated_contact(program.contact)).penetration
+    penetration = Certificate.of(program, point, associated_contact(program.contact)).penetration
     # With pressure-dependent strength flow is admissible or not: nothing is round-off, except that
     # of rigid parts.
     groups = zip(discretisation.full.groups, rigid, strict=True)

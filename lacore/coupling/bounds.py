@@ -8,7 +8,7 @@ whose bounds are in `lacore.analyses.ranges.continuum`.
 import numpy as np
 
 from lacore.coupling.claims.locking_ray import locking_ray
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
@@ -33,7 +33,7 @@ def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: floa
         return np.inf if ray is not None and ray.proves else -np.inf
     if inner.point is None:
         return -np.inf
-    seen = certify(program, inner.point, contact)
+    seen = Certificate.of(program, inner.point, contact)
     if not all(v <= tolerance for v in (seen.equilibrium, seen.yield_violation, seen.cone)):
         return -np.inf
     tension = program.contact.weights @ np.maximum(-inner.point.normal_reaction, 0.0)
@@ -50,7 +50,7 @@ def upper_bound(program: KinematicProgram, inner: InnerSolution, tolerance: floa
     rows, contact = program.contact, associated_contact(program.contact)
     if inner.point is None:
         return np.inf
-    seen = certify(program, inner.point, contact)
+    seen = Certificate.of(program, inner.point, contact)
     if not all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
         return np.inf
     u = inner.point.velocity

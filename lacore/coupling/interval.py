@@ -16,7 +16,7 @@ import numpy as np
 from lacore.coupling.blocks.slack import Slack
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.faces import Face, faces, ray_program
-from lacore.program.certificate import Certificate, certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
@@ -143,7 +143,7 @@ def load_factor_interval(
         prepare: sets an exact backend to work on a program.
         tolerance: bar for the residuals of the states, and for the proofs of the ends.
     """
-    found = certify(program, point)
+    found = Certificate.of(program, point)
     if not found.holds(tolerance):
         nothing = End(EndStatus.NOT_CERTIFIED, np.nan, point, found)
         return Interval(nothing, nothing)
@@ -203,7 +203,7 @@ def _end(
     # Outward: what the dual solution leaves open belongs to the interval.
     alpha = sign * float(np.maximum(dual.load_factor, bound))
     point = face.state(dual, alpha)
-    certificate = certify(face.original, point)
+    certificate = Certificate.of(face.original, point)
     slack = tolerance * kinematic_power(face.original, point)
     proven = abs(bound - dual.load_factor) <= slack
     if not (proven and certificate.holds(tolerance)):
@@ -222,7 +222,7 @@ def _slack_end(
     bound = _bound(own.program, own.contact, dual, tolerance)
     alpha = sign * float(np.maximum(dual.load_factor, bound))
     found = own.state(dual, alpha)
-    certificate = certify(program, found)
+    certificate = Certificate.of(program, found)
     proven = abs(bound - dual.load_factor) <= tolerance * kinematic_power(program, found)
     if not (proven and certificate.holds(tolerance)):
         return None
@@ -236,7 +236,7 @@ def _bound(
 
     The power that this velocity turns over is no scale: it can be 0 together with the load factor.
     """
-    v, seen = dual.velocity, certify(program, dual, contact)
+    v, seen = dual.velocity, Certificate.of(program, dual, contact)
     admissible = (seen.penetration, seen.divergence, seen.normalisation)
     if not all(value <= tolerance for value in admissible):
         return np.nan
@@ -252,7 +252,7 @@ def _unbounded(face: Face, sign: float, prepare: Prepare, tolerance: float) -> E
     ray, found = face.ray(dual, sign), face.point
     reach = _FAR * kinematic_power(face.original, found)
     far = found.plus(ray, reach)
-    certificate = certify(face.original, far)
+    certificate = Certificate.of(face.original, far)
     if not certificate.holds(tolerance):
         return None
     return End(EndStatus.UNBOUNDED, sign * np.inf, far, certificate)

@@ -17,7 +17,7 @@ import numpy as np
 from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.options import CouplingOptions
 from lacore.numerics.arrays import Floats
-from lacore.program.certificate import Certificate, certify
+from lacore.program.certificate import Certificate
 from lacore.program.free_motion import NO_POWER, without_dissipation
 from lacore.program.kinematic import FrozenContact, KinematicProgram, reaction_contact
 from lacore.program.residuals import impossible
@@ -201,11 +201,11 @@ class Run:
         inner = checked_answer(self.program, self.regularised, answer)
         state, certificate, mismatch = inner.point, None, np.nan
         if state is not None:
-            certificate = certify(self.program, state, laws)
+            certificate = Certificate.of(self.program, state, laws)
             mismatch = self._mismatch(contact, state.normal_reaction) if laws is None else 0.0
             if partner is not None and not certificate.holds(self.options.tolerance):
                 state = partner(state)
-                certificate = certify(self.program, state, laws)
+                certificate = Certificate.of(self.program, state, laws)
         iterate = Iterate(len(self.iterates), kind, inner, state, certificate, mismatch)
         self.iterates.append(iterate)
         self.on_iterate(iterate)

@@ -31,7 +31,7 @@ from lacore.coupling.interval import (
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Iterate, Run
 from lacore.numerics.arrays import Floats
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import KinematicProgram, associated_contact, frictionless_contact
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
@@ -215,7 +215,7 @@ class Search:
     def _known(self, certified: ProgramState) -> CertifiedMechanism | None:
         """The mechanism of a state that needs no settling, so that its own load is among those."""
         inner = InnerSolution(Status.SOLVED, "certified", 0, 0.0, certified)
-        proof = certify(self.program, certified)
+        proof = Certificate.of(self.program, certified)
         iterate = Iterate(0, "certified", inner, certified, proof, float("nan"))
         return self._noted(certified, 0, "certified", (iterate,))
 

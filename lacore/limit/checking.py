@@ -26,7 +26,7 @@ from lacore.model.bodies.continuum.regions.gathering import by_body, continuum_s
 from lacore.model.bodies.continuum.volume import judged_means
 from lacore.model.bodies.frames.dofs import FrameDofs
 from lacore.numerics.arrays import Floats
-from lacore.program.certificate import Certificate, certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import dimensionless
 from lacore.program.state import ProgramState, misfit
 from lacore.reporting.errors import InputError, require_known
@@ -41,7 +41,7 @@ def recomputed(discretisation: Discretisation, point: ProgramState, coupling: st
     program = kind.program_of(dimensionless(discretisation.program, discretisation.natural))
     laws = kind.laws_of(program.contact)
     inside = point_in_program(discretisation, point)
-    found = certify(program, inside, laws)
+    found = Certificate.of(program, inside, laws)
     scale = discretisation.natural.velocity
     forbidden = point.velocity / scale - discretisation.free_basis @ inside.velocity
     largest = float(np.abs(point.velocity).max(initial=0.0)) / scale or 1.0

@@ -16,7 +16,7 @@ from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.model.bodies.continuum.body_forces import linear
 from lacore.model.bodies.continuum.spaces import SPACES
-from lacore.program.certificate import Certificate, certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding
@@ -137,7 +137,7 @@ def outcome_of(
         # Of a Coulomb state the static value is reported, with which equilibrium holds.
         point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
         # The gap stays that between the two values; everything else must hold for the reported one.
-        certificate = replace(certify(program, point, coupled.laws), gap=certificate.gap)
+        certificate = replace(Certificate.of(program, point, coupled.laws), gap=certificate.gap)
     proof = proof or Proof(coupled.status, coupled.findings, None)
     own = None if point is None else point_in_si(discretisation, point)
     falls = proof.ray is not None and proof.status is Status.UNSAFE and program.homogeneous

@@ -23,7 +23,7 @@ from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
@@ -215,7 +215,7 @@ def _carried_ends(
         with closing(prepare(driven)) as solver:
             answer = checked_answer(driven, False, solver.solve(laws))
         if answer.point is not None:
-            seen = certify(driven, answer.point, laws)
+            seen = Certificate.of(driven, answer.point, laws)
             point = replace(answer.point, load_factor=sign * answer.point.load_factor)
             point = point_in_si(discretisation, point)
             worst = np.max([seen.equilibrium, seen.yield_violation, seen.cone])

@@ -11,7 +11,7 @@ import numpy as np
 from lacore.limit.conversion import point_in_program
 from lacore.limit.state import LimitState
 from lacore.numerics.arrays import Floats
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
     DissipationGroup,
     FrozenContact,
@@ -162,7 +162,7 @@ def _solved(program: KinematicProgram, contact: FrozenContact, state: LimitState
         solver.close()
     if point is None:
         return None
-    seen = certify(program, point, contact)
+    seen = Certificate.of(program, point, contact)
     kept = (seen.penetration, seen.divergence, seen.normalisation)
     return point.velocity if all(value <= state.tolerance for value in kept) else None
 

@@ -72,6 +72,98 @@ class Certificate(Shown):
     gap: float
     load: float
 
+    @classmethod
+    def of(
+        cls, program: KinematicProgram, state: ProgramState, contact: FrozenContact | None = None
+    ) -> "Certificate":
+        """Compute the residuals of a state that fits the program; see `certify`."""
+        program, rows = program.at_state(state.velocity, state.mean_stress), program.contact
+        t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
+        opening, slip = rows.opening(u), rows.slip(u)
+        slip_rate = np.linalg.norm(slip, axis=1)
+        if contact is None:
+            bound, dilatancy = rows.limit + rows.coefficient * np.maximum(t_n, 0.0), rows.dilatancy
+            shift = rows.lead
+        else:
+            bound, dilatancy, shift = contact.bound, contact.dilatancy, contact.shift
+        opening = opening + shift
+        finite = np.isfinite(bound)
+        friction = np.where(finite, bound, 0.0) * slip_rate
+        cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
+
+        plastic, works = _plastic(program, state)
+        dissipated = float(plastic.sum()) + float(rows.weights @ friction)
+        dead_power = float(program.dead_load @ u)
+        # Dilatant friction dissipates nothing; the power of its reactions counts in its place.
+        lifted = float(rows.weights @ (dilatancy * np.maximum(t_n, 0.0) * slip_rate))
+        power_scale = _nonzero(dissipated + lifted + abs(dead_power))
+        force_scale = _force_scale(program, state)
+        velocity_scale = _nonzero(_largest(np.abs(u)))
+        strain_scale = _strain_scale(program, u, velocity_scale)
+        traction = np.hypot(t_n, np.linalg.norm(t_t, axis=1))
+        reaction_scale = _most(
+            _largest(traction), force_scale / _nonzero(float(rows.weights.sum()))
+        )
+        by_part = part_forces(program, state)
+        at_points = forces_at_points(program, by_part)
+        moving = _nonzero(_largest(by_part[program.part] * np.abs(u)))
+        residual = np.abs(out_of_balance(program, state))
+        pair_gap = dissipated - dead_power + float(rows.weights @ (t_n * shift)) - state.load_factor
+        bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
+        excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
+        outside = np.maximum(excess, -t_n)
+        inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
+        defects = plastic - works
+        taken = [g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True)]
+        below, above = _load_errors(
+            rows,
+            float(residual @ np.abs(u)),
+            defects,
+            bipotential,
+            pair_gap + sum(taken),
+            traction,
+            inward,
+        )
+        return cls(
+            equilibrium=_most(
+                _largest(residual) / force_scale, _largest(residual / by_part[program.part])
+            ),
+            yield_violation=_most(
+                *(
+                    _largest(group.beyond(stress, mean))
+                    for group, stress, mean in zip(
+                        program.groups, state.stress, state.mean_stress, strict=True
+                    )
+                )
+            ),
+            cone=_most(
+                _largest(outside) / reaction_scale,
+                # The tractions of a short joint can be much larger than those of all others.
+                _largest(rows.weights * outside / at_points),
+            ),
+            penetration=_most(
+                _largest(inward) / velocity_scale, _largest(inward * at_points) / moving
+            ),
+            divergence=_most(
+                *(
+                    _largest(g.impossible(u)) / strain_scale
+                    for g in program.groups
+                    if g.surfaces is None
+                ),
+                sum(
+                    own
+                    for g, own in zip(program.groups, taken, strict=True)
+                    if g.surfaces is not None
+                )
+                / power_scale,
+            ),
+            normalisation=abs(float(program.reference_load @ u) - 1),
+            flow=abs(float(defects.sum())) / power_scale,
+            slip=float(rows.weights @ np.abs(bipotential)) / power_scale,
+            gap=abs(pair_gap) / power_scale,
+            load=_most(below, above) / power_scale,
+        )
+
     @property
     def worst(self) -> tuple[str, float]:
         """Name and value of the largest residual; NaN counts as the largest."""
@@ -125,84 +217,7 @@ def certify(
     if contact is not None and contact.bound.shape != (program.contact.count,):
         points = f"of {contact.bound.size} points instead of {program.contact.count}"
         raise InputError("contact", None, points, "freeze that of this program")
-    program, rows = program.at_state(state.velocity, state.mean_stress), program.contact
-    t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
-    opening, slip = rows.opening(u), rows.slip(u)
-    slip_rate = np.linalg.norm(slip, axis=1)
-    if contact is None:
-        bound, dilatancy = rows.limit + rows.coefficient * np.maximum(t_n, 0.0), rows.dilatancy
-        shift = rows.lead
-    else:
-        bound, dilatancy, shift = contact.bound, contact.dilatancy, contact.shift
-    opening = opening + shift
-    finite = np.isfinite(bound)
-    friction = np.where(finite, bound, 0.0) * slip_rate
-    cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
-
-    plastic, works = _plastic(program, state)
-    dissipated = float(plastic.sum()) + float(rows.weights @ friction)
-    dead_power = float(program.dead_load @ u)
-    # Dilatant friction dissipates nothing; the power of its reactions counts in its place.
-    lifted = float(rows.weights @ (dilatancy * np.maximum(t_n, 0.0) * slip_rate))
-    power_scale = _nonzero(dissipated + lifted + abs(dead_power))
-    force_scale = _force_scale(program, state)
-    velocity_scale = _nonzero(_largest(np.abs(u)))
-    strain_scale = _strain_scale(program, u, velocity_scale)
-    traction = np.hypot(t_n, np.linalg.norm(t_t, axis=1))
-    reaction_scale = _most(_largest(traction), force_scale / _nonzero(float(rows.weights.sum())))
-    by_part = part_forces(program, state)
-    at_points = forces_at_points(program, by_part)
-    moving = _nonzero(_largest(by_part[program.part] * np.abs(u)))
-    residual = np.abs(out_of_balance(program, state))
-    pair_gap = dissipated - dead_power + float(rows.weights @ (t_n * shift)) - state.load_factor
-    bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
-    excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
-    outside = np.maximum(excess, -t_n)
-    inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
-    defects = plastic - works
-    taken = [g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True)]
-    below, above = _load_errors(
-        rows,
-        float(residual @ np.abs(u)),
-        defects,
-        bipotential,
-        pair_gap + sum(taken),
-        traction,
-        inward,
-    )
-    return Certificate(
-        equilibrium=_most(
-            _largest(residual) / force_scale, _largest(residual / by_part[program.part])
-        ),
-        yield_violation=_most(
-            *(
-                _largest(group.beyond(stress, mean))
-                for group, stress, mean in zip(
-                    program.groups, state.stress, state.mean_stress, strict=True
-                )
-            )
-        ),
-        cone=_most(
-            _largest(outside) / reaction_scale,
-            # The tractions of a short joint can be much larger than those of all others.
-            _largest(rows.weights * outside / at_points),
-        ),
-        penetration=_most(_largest(inward) / velocity_scale, _largest(inward * at_points) / moving),
-        divergence=_most(
-            *(
-                _largest(g.impossible(u)) / strain_scale
-                for g in program.groups
-                if g.surfaces is None
-            ),
-            sum(own for g, own in zip(program.groups, taken, strict=True) if g.surfaces is not None)
-            / power_scale,
-        ),
-        normalisation=abs(float(program.reference_load @ u) - 1),
-        flow=abs(float(defects.sum())) / power_scale,
-        slip=float(rows.weights @ np.abs(bipotential)) / power_scale,
-        gap=abs(pair_gap) / power_scale,
-        load=_most(below, above) / power_scale,
-    )
+    return Certificate.of(program, state, contact)
 
 
 def _force_scale(program: KinematicProgram, state: ProgramState) -> float:

@@ -11,7 +11,7 @@ from dataclasses import asdict
 import numpy as np
 
 from lacore.numerics.arrays import Floats
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 
@@ -30,7 +30,7 @@ def scaled_residual(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact
 ) -> tuple[str, float]:
     """Name and size of the worst residual by a frozen contact; infinite where one is not finite."""
-    found: dict[str, float] = asdict(certify(program, point, contact))
+    found: dict[str, float] = asdict(Certificate.of(program, point, contact))
     power, least = _powers(program, point, contact)
     share = power / max(power, least) if max(power, least) > 0 else 1.0
     for name in _POWERS:
@@ -51,7 +51,7 @@ def solve_residual(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact, bar: float
 ) -> tuple[str, float]:
     """Return the worst residual of the certificate, or of `scaled_residual` if it is 0/0."""
-    name, left = certify(program, point, contact).worst
+    name, left = Certificate.of(program, point, contact).worst
     if not left <= bar and idle(program, point, contact):
         return scaled_residual(program, point, contact)
     return name, left if np.isfinite(left) else np.inf

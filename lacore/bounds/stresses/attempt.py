@@ -10,7 +10,7 @@ import numpy as np
 from lacore.bounds.stresses.admissible import lacking, scaled, within_friction
 from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import within_strength
-from lacore.program.certificate import Certificate, certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import KinematicProgram, associated_contact
 from lacore.program.state import ProgramState
 from lacore.solvers.backend import InnerSolution
@@ -89,7 +89,7 @@ def attempt(
         return Attempt(margin, inner, None, None, None, 0.0, 0.0, exact)
     begin = time.perf_counter()
     laws = associated_contact(program.contact)
-    before = certify(program, inner.point, laws)
+    before = Certificate.of(program, inner.point, laws)
     scalable = not np.any(program.dead_load)
     worth, aim = (max(_WORTH, _OF_GAP * before.gap), _AIM) if scalable else (0.0, 0.0)
     point = within_friction(program, inner.point, margin)
@@ -106,7 +106,7 @@ def attempt(
 
     for found in candidates():
         state = scaled(program, found) if scalable else found
-        after = certify(program, state, laws)
+        after = Certificate.of(program, state, laws)
         if _proves(after, exact):
             break
     return Attempt(

@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
 
 from lacore.numerics.arrays import Floats
 from lacore.numerics.linear_program import least
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.part_forces import own_loads
 from lacore.program.state import ProgramState
@@ -109,9 +109,9 @@ def _judged(
     A velocity that penetrates contact is first replaced by one that does not.
     """
     moving = ProgramState.unstressed(driven, velocity, 1.0)
-    if not certify(driven, moving, frozen).penetration <= tolerance:
+    if not Certificate.of(driven, moving, frozen).penetration <= tolerance:
         moving = cleaned(driven, moving, frozen)
-    u, seen = moving.velocity, certify(driven, moving, frozen)
+    u, seen = moving.velocity, Certificate.of(driven, moving, frozen)
     load, fastest = np.abs(program.reference_load).sum(), np.abs(u).max() or 1.0
     return DeadCollapse(
         power=float(program.dead_load @ u),

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lacore.numerics.arrays import Floats
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
@@ -69,7 +69,7 @@ def prove_dead_loads(
     static, velocity = _static(point, size), point.velocity[:-1]
     if (share := point.load_factor) > _SOME:
         equilibrium = replace(static.scaled(1 / share), velocity=np.zeros(program.n))
-        seen = certify(_alone(program), equilibrium, contact)
+        seen = Certificate.of(_alone(program), equilibrium, contact)
         residual = float(np.max([seen.equilibrium, seen.yield_violation, seen.cone]))
         if residual <= tolerance:
             return DeadLoadProof(equilibrium, None, residual)
@@ -91,7 +91,7 @@ def _mechanism_residual(
     """
     held = program.held_shut
     program = replace(program, reference_load=program.dead_load - held, dead_load=held)
-    u, seen = mechanism.velocity, certify(program, mechanism, contact)
+    u, seen = mechanism.velocity, Certificate.of(program, mechanism, contact)
     dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, contact.bound)
     dissipated -= float(held @ u)
     if not dissipated < 1 - tolerance:

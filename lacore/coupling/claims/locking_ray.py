@@ -17,7 +17,7 @@ from scipy.sparse.linalg import lsmr
 
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_program import least
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.program.state import ProgramState, out_of_balance
 from lacore.reporting.showing import Compact
@@ -124,7 +124,7 @@ def _judged(
         dead_load=np.zeros(program.n),
     )
     cones = replace(contact, bound=np.where(np.isinf(contact.bound), np.inf, 0.0))
-    seen = certify(bare, point, cones)
+    seen = Certificate.of(bare, point, cones)
     on_part = np.bincount(program.part, weights=sizes)[program.part]
     left = np.abs(out_of_balance(bare, point)) / np.where(on_part > 0, on_part, 1.0)
     pressed = program.contact.weights * point.normal_reaction

@@ -6,7 +6,7 @@ import numpy as np
 
 from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.coupling.claims.locking_ray import LockingRay, locking_ray
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
@@ -75,7 +75,7 @@ def _mechanism(
         point = checked_answer(program, False, solver.solve(contact)).point
     if point is None:
         return None
-    found = certify(program, point, contact)
+    found = Certificate.of(program, point, contact)
     sizes = {name: getattr(found, name) for name in ("penetration", "divergence", "normalisation")}
     if not all(size <= tolerance for size in sizes.values()):
         return None

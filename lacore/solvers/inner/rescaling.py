@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
 from lacore.numerics.arrays import Floats, Sparse
-from lacore.program.certificate import certify
+from lacore.program.certificate import Certificate
 from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 from lacore.program.part_forces import own_loads, part_forces
 from lacore.program.residuals import dilates_besides, solve_residual
@@ -324,7 +324,7 @@ class RescalingSolver:
         tried = self._units is not None or self._refused
         if not tried or best.point is None:
             return best
-        if certify(self._program, best.point, contact).penetration < residual:
+        if Certificate.of(self._program, best.point, contact).penetration < residual:
             return best  # A different velocity would hardly reduce the other residuals.
         point = cleaned(self._program, best.point, contact)
         if largest_residual(self._program, replace(best, point=point), contact) < residual:
