@@ -92,7 +92,7 @@ class ContactRows(Compact):
         """`tension`, zero where there is none, shape (m,), Pa."""
         return np.zeros(self.count) if self.tension is None else self.tension
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of contact points m."""
         return int(self.weights.size)
@@ -237,7 +237,7 @@ class KinematicProgram(Compact):
         """Part of `dead_load` that represents the tensile strength of contact, shape (n,)."""
         return np.asarray(-(self.contact.normal.T @ (self.contact.weights * self.contact.pull)))
 
-    @property
+    @cached_property
     def n(self) -> int:
         """Number of velocity unknowns."""
         return int(self.reference_load.size)
@@ -248,12 +248,12 @@ class KinematicProgram(Compact):
         dims = [group.dim for group in self.groups if group.weights.size]
         return max([*dims, self.contact.tangent_dim if self.contact.count else 0])
 
-    @property
+    @cached_property
     def hardens(self) -> bool:
         """Whether a group has a modulus."""
         return any(group.modulus is not None for group in self.groups)
 
-    @property
+    @cached_property
     def pressure_dependent(self) -> bool:
         """Whether the strength of a group depends on pressure."""
         return any(group.surfaces is not None for group in self.groups)
@@ -264,7 +264,7 @@ class KinematicProgram(Compact):
         warn("presses is now pressure_dependent", DeprecationWarning, stacklevel=2)
         return self.pressure_dependent
 
-    @property
+    @cached_property
     def frictional(self) -> bool:
         """Whether a group has non-associated flow (T49)."""
         return any(group.frictional for group in self.groups)
@@ -307,7 +307,7 @@ class KinematicProgram(Compact):
         """Return the program at the stress bounds and friction of a state, where it is exact."""
         return self.hardened(velocity).at_friction(self.friction(means))
 
-    @property
+    @cached_property
     def homogeneous(self) -> bool:
         """Whether costs grow linearly with the velocity, as in a limit problem (T5)."""
         return not self.hardens and self.contact.closing is None
