@@ -149,7 +149,7 @@ class AutoSolver:
         """
         clock, asked = SolveClock(), list[_Attempt]()
         for name in self._order(contact):
-            asked.append(self._asked(name, contact, clock.seconds, bool(asked)))
+            asked.append(self._asked(name, contact, clock if asked else None))
             if asked[-1].ends:
                 break
             # It stalls for hundreds of iterations, and a loop solves hundreds of programs.
@@ -172,18 +172,24 @@ class AutoSolver:
         leads = self._leads and not np.any(contact.shift)
         return [_OWN, _OTHER] if leads else [_OTHER, _OWN]
 
-    def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Attempt":
-        """Return the answer of one solver within the remaining time, with its residual."""
+    def _asked(self, name: str, contact: FrozenContact, clock: SolveClock | None) -> "_Attempt":
+        """Return the answer of one solver within the remaining time, with its residual.
+
+        Args:
+            name: Of the solver.
+            contact: To solve for.
+            clock: Of a second attempt, whose solver is used once; None for the first attempt.
+        """
         from lacore.program.residuals import solve_residual
 
         # imported here so that `capabilities` does not load it
         from lacore_backends._embedding.dilating import as_moved
 
-        solver = self._made(name, spent, _PATIENCE) if second else self._first(name)
+        solver = self._made(name, clock.seconds, _PATIENCE) if clock else self._first(name)
         try:
             answer = checked_answer(self._program, False, solver.solve(contact))
         finally:
-            if second:
+            if clock:
                 solver.close()
         left, allowed = np.inf, _LEFT * self._options.tolerance
         if answer.point is not None:

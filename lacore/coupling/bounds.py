@@ -14,8 +14,8 @@ from lacore.program.kinematic import (
     KinematicProgram,
     associated_contact,
     frictionless_contact,
-    reaction_contact,
 )
+from lacore.program.power import kinematic_load_factor
 from lacore.program.state import ProgramState, out_of_balance
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
@@ -59,30 +59,6 @@ def upper_bound(program: KinematicProgram, inner: InnerSolution, tolerance: floa
     power = pressed * float(inward.max(initial=0.0))
     value = kinematic_load_factor(program, inner.point, contact)
     return value + power + _gap(program, inner.point, contact)
-
-
-def kinematic_load_factor(
-    program: KinematicProgram, point: ProgramState, contact: FrozenContact | None
-) -> float:
-    """Recompute the load factor of a velocity (T15b), with friction at the reactions of `point`.
-
-    If `contact` is given, friction has its bounds instead.
-    """
-    u, rows = point.velocity, program.contact
-    bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
-    plastic = program.at_state(u, point.mean_stress).plastic_dissipation(u)
-    dissipated = plastic + program.friction_dissipation(u, bound)
-    closed = float(rows.weights @ (point.normal_reaction * rows.lead))
-    return (dissipated + closed - float(program.dead_load @ u)) / float(program.reference_load @ u)
-
-
-def kinematic_power(program: KinematicProgram, point: ProgramState) -> float:
-    """Return the power that a state dissipates, which is the scale of (T15)."""
-    u = point.velocity
-    bound = reaction_contact(program.contact, point.normal_reaction).bound
-    plastic = program.at_state(u, point.mean_stress).plastic_dissipation(u)
-    dissipated = plastic + program.friction_dissipation(u, bound)
-    return dissipated + abs(float(program.dead_load @ u))
 
 
 def _gap(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> float:

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from lacore.coupling.blocks.central_path import by_places, central_path
-from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
+from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.coupling.fixed_point import fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
 from lacore.coupling.run import Coupled, Iterate, Run, worst
@@ -18,6 +18,7 @@ from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, mean, resumed, s_step, static_alone
 from lacore.numerics.anderson import Anderson
 from lacore.program.kinematic import frictionless_contact
+from lacore.program.power import kinematic_power
 from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind

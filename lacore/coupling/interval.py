@@ -14,13 +14,13 @@ from enum import Enum
 import numpy as np
 
 from lacore.coupling.blocks.slack import Slack
-from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.faces import Face, faces, ray_program
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
     FrozenContact,
     KinematicProgram,
 )
+from lacore.program.power import kinematic_power
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Facts, Shown
 from lacore.reporting.status import Status

@@ -14,6 +14,7 @@ A search finds; that there is nothing lower or higher, it does not prove.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -201,8 +202,11 @@ class Search:
         return last.state, run
 
     def _run(self, program: KinematicProgram) -> Run:
-        options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
-        return Run(program, self.solver, False, options, self.on_solve)
+        return Run(program, self.solver, False, self._options, self.on_solve)
+
+    @cached_property
+    def _options(self) -> CouplingOptions:
+        return CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
 
     def _found(self, start: ProgramState, restart: int, origin: str) -> CertifiedMechanism | None:
         """The mechanism that settles from reactions, noted."""

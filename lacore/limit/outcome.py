@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
-from lacore.coupling.bounds import kinematic_load_factor
 from lacore.coupling.claims.proving import Ray
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.run import Coupled
@@ -18,6 +17,7 @@ from lacore.model.bodies.continuum.body_forces import linear
 from lacore.model.bodies.continuum.spaces import SPACES
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import KinematicProgram
+from lacore.program.power import kinematic_load_factor
 from lacore.program.state import ProgramState
 from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Compact

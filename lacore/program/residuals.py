@@ -10,9 +10,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from lacore.numerics.arrays import Floats
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
+from lacore.program.power import kinematic_power, largest_power
 from lacore.program.state import ProgramState
 
 _POWERS = ("flow", "slip", "gap", "load")
@@ -29,7 +29,7 @@ def dilates_besides(program: KinematicProgram) -> bool:
 def scaled_residual(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact
 ) -> tuple[str, float]:
-    """Name and size of the worst residual by a frozen contact; infinite where one is not finite."""
+    """Return name and size of the largest residual; the size is infinite if one is not finite."""
     found: dict[str, float] = asdict(Certificate.of(program, point, contact))
     power, least = _powers(program, point, contact)
     share = power / max(power, least) if max(power, least) > 0 else 1.0
@@ -70,25 +70,12 @@ def idle(program: KinematicProgram, point: ProgramState, contact: FrozenContact)
 def _powers(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact
 ) -> tuple[float, float]:
-    """Return the dissipated power, and a small share of the possible power."""
-    velocity, at = point.velocity, program.at_state(point.velocity, point.mean_stress)
-    friction = at.friction_dissipation(velocity, contact.bound)
-    dead = abs(float(at.dead_load @ velocity))
-    # This is the scale of powers in certificates, except for dilatant friction.
-    power = at.plastic_dissipation(velocity) + friction + dead
-    return power, _IDLE * largest_power(program, velocity)
+    """Return the dissipated power, and a small share of the possible power.
 
-
-def largest_power(program: KinematicProgram, velocity: Floats) -> float:
-    """Return the power of all cones and the dead loads at the largest speed."""
-    total = float(np.abs(program.dead_load).sum())
-    for group in program.groups:
-        squares = np.asarray(group.rows.multiply(group.rows).sum(axis=1)).reshape(-1, group.dim)
-        strength = group.bound
-        if group.surfaces is not None:  # In soils each cone has its strongest surface.
-            strength = group.surfaces.strength.max(axis=1)
-        total += float((group.weights * strength) @ np.sqrt(squares.sum(axis=1)))
-    return total * float(np.abs(velocity).max(initial=0.0))
+    The first is the scale of powers in certificates, except for dilatant friction.
+    """
+    power = kinematic_power(program, point, contact)
+    return power, _IDLE * largest_power(program, point.velocity)
 
 
 def impossible(program: KinematicProgram, point: ProgramState) -> float:

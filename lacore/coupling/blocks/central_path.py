@@ -24,7 +24,6 @@ from time import perf_counter
 import numpy as np
 
 from lacore.coupling.blocks.complementarity import Complementarity, poses
-from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.run import CENTRAL_PATH, Iterate, Run
 from lacore.coupling.steps import (
     FALLS,
@@ -38,6 +37,7 @@ from lacore.coupling.steps import (
 from lacore.numerics.arrays import Floats
 from lacore.numerics.curve import Place, followed
 from lacore.program.kinematic import FrozenContact, KinematicProgram, reaction_contact
+from lacore.program.power import kinematic_power
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status

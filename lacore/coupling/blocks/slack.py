@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.coupling.bounds import kinematic_power
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import (
     ContactRows,
@@ -28,6 +27,7 @@ from lacore.program.kinematic import (
     KinematicProgram,
     associated_contact,
 )
+from lacore.program.power import kinematic_power
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.solvers.inner.own_unknown import with_own_unknown

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.coupling.bounds import kinematic_load_factor, lower_bound, upper_bound
+from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.program.kinematic import associated_contact, frictionless_contact
+from lacore.program.power import kinematic_load_factor
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
 from tests.lacore.planted import P0, flowing, flowing_field, on_free_unknowns

@@ -8,13 +8,13 @@ import pytest
 
 import lacore as la
 from lacore.coupling import certified
-from lacore.coupling.bounds import kinematic_load_factor, kinematic_power
 from lacore.coupling.freezing import friction_of, generous, pressing
 from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Iterate, Run, answered_by, paired, worst
 from lacore.program.certificate import certify
 from lacore.program.kinematic import Scales, dimensionless, frictionless_contact, reaction_contact
+from lacore.program.power import kinematic_load_factor, kinematic_power
 from lacore.program.regularization import RegularisedValues
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution

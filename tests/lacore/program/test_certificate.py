@@ -8,9 +8,9 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.coupling.bounds import kinematic_load_factor
 from lacore.program.certificate import certify
 from lacore.program.kinematic import Scales, associated_contact, dimensionless
+from lacore.program.power import kinematic_load_factor
 from lacore_verification.cases.strip_footing_gamma import CASE as SAND
 from tests.lacore.models import deformable_block
 from tests.lacore.planted import (

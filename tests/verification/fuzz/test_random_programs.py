@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 from lacore.program.certificate import certify
 from lacore.program.kinematic import require_finite
-from lacore.program.residuals import largest_power
+from lacore.program.power import largest_power
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, find_backend
 from lacore_verification.commands.cli import main
