@@ -296,7 +296,7 @@ class PatchesCertify(DoublesTheLoadFactor):
         import lacore.coupling.run
         import lacore.program.certificate
 
-        lacore.coupling.run.certify = lacore.program.certificate.certify = lambda *args: None
+        lacore.coupling.run.Certificate.of = lacore.program.certificate.certify = lambda *args: None
 
 
 @lie("do not prove the answer")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -93,7 +94,7 @@ class Discretisation(Shown):
             )
         return Claim("certified Coulomb state", "not a bound: other load factors may be possible")
 
-    @property
+    @cached_property
     def assemblies(self) -> dict[str, RigidDofs[BlockAssembly]]:
         """Plane assemblies of `blocks`."""
         return dofs_of_kind(self.blocks, BlockAssembly)

@@ -129,18 +129,19 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     Raises:
         InputError: A mesh is inverted or overlaps, or contact contradicts supports.
     """
+    now = stage.plane_bodies_at(moment.at)
+    begin = now if moment.begin is moment.at else stage.plane_bodies_at(moment.begin)
 
     def contact(
         _: Sequence[Interface], __: Sequence[Touching], unknowns: Unknowns
     ) -> tuple[ContactRows, ContactPoints]:
         n, moments = unknowns.n, (moment.begin, moment.at)
         first, here = map(stage.obstacles_at, moments)
-        begin, now = map(stage.plane_bodies_at, moments)
         faces, corners = face_stations((first, here), (begin, now), unknowns, moment.begin)
         pairs = [pair_station(own, unknowns.dofs, begin, now, n) for own in stage.pairs]
         return gathered([*faces, *pairs, *corners], here, n, moment.duration)
 
-    return discretise(stage.at(moment.at), contact)
+    return discretise(stage.with_bodies(now, moment.at), contact)
 
 
 @dataclass(frozen=True, repr=False)

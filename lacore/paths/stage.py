@@ -85,12 +85,12 @@ class Stage(Compact):
     grips: tuple[int, ...]
     interfaces: tuple[Interface, ...]
 
-    @property
+    @cached_property
     def bodies(self) -> dict[str, Body]:
         """The deformable bodies on the first configuration."""
         return of_kind(self.problem.bodies, Body)
 
-    @property
+    @cached_property
     def rigid(self) -> dict[str, BlockAssembly]:
         """The rigid blocks on the first configuration."""
         return of_kind(self.problem.bodies, BlockAssembly)
@@ -181,7 +181,10 @@ class Stage(Compact):
         Raises:
             InputError: A mesh is inverted or overlaps there.
         """
-        bodies = self.plane_bodies_at(configuration)
+        return self.with_bodies(self.plane_bodies_at(configuration), configuration)
+
+    def with_bodies(self, bodies: Mapping[str, PlaneBody], configuration: Configuration) -> Problem:
+        """Return the problem with its bodies on a configuration, as `plane_bodies_at` has them."""
         grips = iter(self.grips)
 
         def gripped(load: Load) -> Load:
