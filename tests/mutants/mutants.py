@@ -14,6 +14,8 @@ KNOWN = Path(__file__).with_name("known.toml")
 _NAMES = (
     *(
         "program/certificate.py",
+        "program/free_motion.py",
+        "program/power.py",
         "coupling",
         "bounds",
         "model/contact",
