@@ -75,7 +75,7 @@ class Certificate(Shown):
     @classmethod
     def of(
         cls, program: KinematicProgram, state: ProgramState, contact: FrozenContact | None = None
-    ) -> "Certificate":
+    ) -> Certificate:
         """Compute the residuals of a state that fits the program; see `certify`."""
         program, rows = program.at_state(state.velocity, state.mean_stress), program.contact
         t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
