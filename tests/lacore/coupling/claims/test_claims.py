@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.coupling.claims import proving
 from lacore.coupling.claims.dead_collapse import dead_collapse
 from lacore.coupling.claims.locking_ray import locking_ray
 from lacore.program.free_motion import without_dissipation
 from lacore.program.kinematic import associated_contact, dimensionless, frictionless_contact
+from lacore.reporting.kinds import Kind
 from lacore.solvers.backend import InnerSolution
-from lacore.solvers.inner.preparing import preparer
+from lacore.solvers.inner.preparing import preparer, preparer_named
 from tests.shares import one_in
 
 R = la.masonry.rectangle
@@ -193,3 +195,23 @@ def test_a_mode_that_no_load_drives_frees_nothing():
     moved = replace(point, velocity=point.velocity + mode)
     assert abs(program.reference_load @ mode) <= 1e-6  # round-off of 1e8
     assert not without_dissipation(program, moved, contact, 1e-6)
+
+
+def test_each_claim_that_is_not_proven_says_what_is_known_instead(monkeypatch):
+    """A block that slides on a floor: a mechanism refutes LOCKED, and nothing proves UNSAFE."""
+    program, contact = frozen(on_incline(0.0, 0.3, (1.0, 0.0), weight=1.0))
+    free = frictionless_contact(program.contact)
+    prepare = preparer_named("clarabel", {})
+
+    def claim(status):
+        found, why, proof = proving.prove_claim(status, program, free, contact, prepare, 1e-6)
+        assert proof is None
+        return found, None if why is None else why.kind
+
+    assert claim(la.Status.SOLVED) == (la.Status.SOLVED, None)
+    assert claim(la.Status.JAM) == (la.Status.JAM, None)
+    assert claim(la.Status.UNSAFE) == (la.Status.NOT_CERTIFIED, Kind.UNSAFE_NOT_PROVEN)
+    assert claim(la.Status.LOCKED) == (la.Status.NOT_CERTIFIED, Kind.LOCKED_REFUTED)
+    # Neither reactions nor a mechanism are found.
+    monkeypatch.setattr(proving, "_mechanism", lambda *given: None)
+    assert claim(la.Status.LOCKED) == (la.Status.NOT_CERTIFIED, Kind.LOCKED_NOT_PROVEN)
