@@ -1,4 +1,4 @@
-"""The reactions that one mechanism leaves free, as a kinematic program (T14b a).
+"""The reactions that are compatible with one mechanism, as a kinematic program (T14b a).
 
 A velocity u fixes the branch of the law at every point and in every cone:
 
@@ -8,10 +8,10 @@ A velocity u fixes the branch of the law at every point and in every cone:
     plastic flow, D u != 0:  s is known, the mean stress is free
     no flow:                 ||s|| <= bound
 
-What obeys these and equilibrium is convex: the face. The program of its largest load factor is the
-dual of a kinematic program: open points are dropped, a slipping one is smooth with the normal
-``N - m tau.T``, a resting one is dilatant with m, known stresses are dead load. The smallest load
-factor is that of the reference load -F0.
+The stresses and reactions that satisfy these conditions and equilibrium form a convex set, the
+face. Its largest load factor is the dual of a kinematic program: open points are dropped, a
+slipping point is frictionless with the normal ``N - m tau.T``, a resting point is dilatant with m,
+and known stresses are dead loads. The smallest load factor follows from the reference load -F0.
 """
 
 from collections.abc import Iterator
@@ -28,19 +28,20 @@ from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.solvers.inner.own_unknown import with_own_unknown
 
-# Between rest and motion, of the fastest. Velocities of interior-point methods carry noise of 1e-9
-# and more. A point that moves and is called at rest makes the face too large, which the certificate
-# of its ends refutes; one at rest that is called moving makes it too small, which nothing shows.
-# So the widest gap among the velocities comes first, then large thresholds before small ones.
+# Thresholds between rest and motion, relative to the largest velocity. Velocities of interior-point
+# methods have noise of 1e-9 and more. If a moving point is classified as resting, the face is too
+# large, and the certificate of its ends fails. If a resting point is classified as moving, the face
+# is too small, and no check detects it. So the widest gap among the velocities is tried first, and
+# large thresholds before small ones.
 _NOISE, _SLOW = 1e-10, 1e-2
-_GAP = 10.0  # ratio of neighbouring velocities; narrower gaps say nothing
+_GAP = 10.0  # ratio of successive velocities; smaller ratios do not separate rest and motion
 _THRESHOLDS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-# Of the stress bound, for cones that flow: the stress of the state is known to some 1e-10 only, and
-# without slack no other stress would be in equilibrium with it. It widens the face by as little.
+# Slack of cones that flow, relative to the stress bound. The stress of the state has an accuracy of
+# about 1e-10, and without slack no other stress would be in equilibrium with it.
 _SLACK = 1e-8
-_NOISY = 1e-6  # of the fastest: a larger change of a velocity makes another mechanism of it
-_ROUND_OFF = 1e-9  # what is left of the noise
-_SWEEPS = 500  # of the least-squares iteration
+_NOISY = 1e-6  # of the largest velocity: a larger change would be another mechanism
+_ROUND_OFF = 1e-9  # tolerance of the least-squares iteration
+_SWEEPS = 500  # most iterations of it
 
 
 @dataclass(frozen=True)
@@ -59,17 +60,17 @@ class _Branches:
 
 @dataclass(frozen=True, repr=False)
 class Face(Compact):
-    """Kinematic program of the largest load factor of a mechanism, and the way back.
+    """Kinematic program of the largest load factor of a mechanism.
 
     Attributes:
-        original: the program of the state.
-        point: the state.
-        program, contact: what to solve; all friction is in its dilatancy.
-        slip: points that slip, shape (m,) as in `original`.
-        kept: points that may carry a reaction that is not known beforehand, shape (m,).
-        ratio: m of the law, shape (m,).
-        direction: tau, 0 where nothing slips, shape (m, tangent_dim).
-        known: stress of the flowing cones, 0 elsewhere, by group.
+        original: Program of the state.
+        point: The state.
+        program, contact: Program and contact to solve; dilatancy represents all friction.
+        slip: Points that slip, shape (m,) as in `original`.
+        kept: Points whose reaction is unknown, shape (m,).
+        ratio: Ratio m of the law, shape (m,).
+        direction: Direction tau of slip, 0 without slip, shape (m, tangent_dim).
+        known: Stress of the flowing cones, 0 elsewhere, by group.
     """
 
     original: KinematicProgram
@@ -83,11 +84,11 @@ class Face(Compact):
     known: tuple[Floats, ...]
 
     def state(self, dual: ProgramState, load_factor: float) -> ProgramState:
-        """The mechanism with the stresses and reactions of a solution of the program."""
+        """Return the mechanism with the stresses and reactions of a solution of the program."""
         return self._completed(dual, load_factor, share=1.0)
 
     def ray(self, dual: ProgramState, sign: float) -> ProgramState:
-        """What a solution of `ray_program` adds to states of the face per load factor."""
+        """Return the change of states per load factor, from a solution of `ray_program`."""
         own = replace(dual, stress=dual.stress[:-1], mean_stress=dual.mean_stress[:-1])
         return self._completed(own, sign, share=0.0)
 
@@ -110,9 +111,9 @@ class Face(Compact):
 
 
 def faces(program: KinematicProgram, point: ProgramState) -> Iterator[Face]:
-    """Faces of a mechanism for thresholds between rest and motion, the likeliest first.
+    """Yield the faces of a mechanism for thresholds between rest and motion, the likeliest first.
 
-    None where strength depends on pressure: flow does not fix the stress of a cone.
+    There are none if strength depends on pressure, because flow does not determine the stress.
     """
     if program.pressure_dependent:
         return
@@ -128,7 +129,7 @@ def faces(program: KinematicProgram, point: ProgramState) -> Iterator[Face]:
 
 @dataclass(frozen=True)
 class _Speeds:
-    """How fast points open and slip and cones strain, of the fastest; opening beyond dilatancy."""
+    """Opening beyond dilatancy, slip and strain rates, relative to the largest velocity."""
 
     opening: Floats
     slip: Floats
@@ -140,7 +141,7 @@ def _speeds(program: KinematicProgram, velocity: Floats) -> _Speeds:
     fastest = float(np.abs(velocity).max()) or 1.0  # of a body at rest all speeds are zero
     slip = np.linalg.norm(contact.slip(velocity), axis=1)
     rates = [np.linalg.norm(g.cone_vectors(velocity), axis=1) for g in program.groups]
-    # Of a rigid mechanism all strain rates are noise, against velocity per body length.
+    # Strain rates of a rigid mechanism are noise, compared with velocity over body length.
     area = sum(float(group.weights.sum()) for group in program.groups)
     overall = fastest / np.sqrt(area) if area > 0 else 0.0
     strain = max([overall, *(float(rate.max(initial=0.0)) for rate in rates)])
@@ -152,7 +153,7 @@ def _speeds(program: KinematicProgram, velocity: Floats) -> _Speeds:
 
 
 def _gaps(speeds: _Speeds) -> list[float]:
-    """Thresholds in the middle of the gaps between noise and slow motion, the widest first."""
+    """Return thresholds in the middle of the gaps between noise and motion, the widest first."""
     everything = np.concatenate([np.abs(speeds.opening), speeds.slip, *speeds.strain])
     levels = np.sort(np.clip(everything, _NOISE, _SLOW))
     ratios, middles = levels[1:] / levels[:-1], np.sqrt(levels[1:] * levels[:-1])
@@ -170,10 +171,10 @@ def _branches(program: KinematicProgram, speeds: _Speeds, threshold: float) -> _
 
 
 def _cleaned(program: KinematicProgram, velocity: Floats, branches: _Branches) -> Floats:
-    """The nearest velocity that keeps to its branches to round-off; the same if that is not near.
+    """Return the nearest velocity that satisfies its branches up to round-off, if it is close.
 
-    Noise in a velocity counts against the certificate by the reactions that it meets, and those of
-    an end can be far larger than those of the state.
+    Noise in a velocity enters the certificate times the reactions, and the reactions of an end can
+    be much larger than those of the state.
     """
     rows = program.contact
     shut, still = ~branches.open, ~branches.open & ~branches.slip
@@ -197,7 +198,7 @@ def _cleaned(program: KinematicProgram, velocity: Floats, branches: _Branches) -
 
 
 def _directions(program: KinematicProgram, velocity: Floats, branches: _Branches) -> Floats:
-    """Tau of the points that slip, 0 of the others, shape (m, tangent_dim)."""
+    """Return tau of the points that slip, 0 for the others, shape (m, tangent_dim)."""
     slip = branches.slip
     direction = np.where(slip[:, None], program.contact.slip(velocity), 0.0)
     direction /= np.where(slip, np.linalg.norm(direction, axis=1), 1.0)[:, None]
@@ -218,7 +219,7 @@ def _face(program: KinematicProgram, point: ProgramState, branches: _Branches) -
         groups.append(replace(group, bound=np.where(flow, _SLACK, 1.0) * group.bound))
         known.append(fixed)
 
-    # A lifted point may keep a tangential bound that is not of Coulomb; nothing presses it.
+    # An open point may keep a limit of friction; its normal reaction is zero.
     kept = ~lifted | ~(slip | (rows.limit <= 0))
     pressing = diags_array(np.where(lifted, 0.0, 1.0))
     normal = csr_matrix(pressing @ (rows.normal - diags_array(ratio) @ along))
@@ -231,7 +232,7 @@ def _face(program: KinematicProgram, point: ProgramState, branches: _Branches) -
         dilatancy=np.where(slip | lifted, 0.0, ratio),
     )
     contact = kept_points(laws, kept)
-    shift = np.where(lifted[kept], 1.0, 0.0)  # a row of zeros that is strictly held: t_n = 0
+    shift = np.where(lifted[kept], 1.0, 0.0)  # a zero row with an open gap: t_n = 0
     return Face(
         original=program,
         point=point,
@@ -246,7 +247,7 @@ def _face(program: KinematicProgram, point: ProgramState, branches: _Branches) -
 
 
 def _along(tangential: Sparse, direction: Floats) -> Sparse:
-    """Rows ``tau . T`` of each point, shape (m, n)."""
+    """Return the rows ``tau . T`` of the points, shape (m, n)."""
     count, dim = direction.shape
     starts = np.arange(count + 1) * dim
     shape = (count, count * dim)
@@ -255,10 +256,9 @@ def _along(tangential: Sparse, direction: Floats) -> Sparse:
 
 
 def ray_program(face: Face, sign: float) -> tuple[KinematicProgram, FrozenContact]:
-    """Program whose duals are reactions of the face's recession cone that carry ``sign F0`` alone.
+    """Return the program whose multipliers carry ``sign F0`` alone, in the face's recession cone.
 
-    F0 is its dead load. The load factor belongs to an unknown of its own, which touches nothing
-    and ends it at 1.
+    F0 is its dead load. Its load factor belongs to an additional unknown and is at most 1.
     """
     program, rows = face.program, face.program.contact
     contact = replace(rows, limit=np.where(np.isinf(rows.limit), rows.limit, 0.0))

@@ -1,9 +1,8 @@
 """Exact range of load factors that one mechanism can carry (T14b a).
 
-Coulomb limit loads are not unique: the velocity of a limit state leaves reactions, and with them
-the load factor, undetermined. The reactions that go with it are convex (`lacore.coupling.faces`),
-so that the smallest and the largest load factor are one conic program each, and everything between
-is carried too.
+Coulomb limit loads are not unique: the velocity of a limit state does not determine the reactions
+and the load factor. The compatible reactions form a convex set (`lacore.coupling.faces`), so one
+conic program each gives the smallest and the largest load factor, and all between are carried.
 """
 
 from __future__ import annotations
@@ -26,13 +25,13 @@ from lacore.reporting.showing import Facts, Shown
 from lacore.reporting.status import Status
 from lacore.solvers.backend import Prepare, checked_answer
 
-_SHARP = 1e-7  # residual of an end whose branches are right: solvers and slack leave less
-_FURTHER = 2  # faces tried after one that is good, but not as good as that
-_FAR = 100.0  # of the power turned over: where the state is looked at that proves an unbounded end
+_SHARP = 1e-7  # residual below which the branches of an end are considered correct
+_FURTHER = 2  # faces tried after one whose end is certified with a larger residual
+_FAR = 100.0  # load factor of the state that proves an unbounded end, per dissipated power
 
 
 class EndStatus(Enum):
-    """What an end of an interval is worth."""
+    """What the end of an interval proves."""
 
     EXACT = "certified, and a dual solution proves that this mechanism carries nothing beyond it"
     FOUND = "certified, but what lies beyond it is not excluded: the program of the end failed"
@@ -50,13 +49,13 @@ class End(Shown):
     """One end of an interval.
 
     Attributes:
-        status: what it is worth.
-        load_factor: alpha; +inf of an unbounded end, NaN where nothing is certified.
-        point: the mechanism with the reactions and stresses of this end; where there is none, with
-            those of a state far along the ray.
-        certificate: residuals of `point` against the true friction laws.
-        slack: by how much the end is farther out, to first order, for the gap that its reactions
-            have with the mechanism: 0 in the plane, see `lacore.coupling.blocks.slack`.
+        status: What the end proves.
+        load_factor: Load factor; +inf for an unbounded end, NaN without a certificate.
+        point: Mechanism with the reactions and stresses of this end, or of a state far along the
+            ray if the end is unbounded.
+        certificate: Residuals of `point` against the true friction laws.
+        slack: First-order distance by which the gap between reactions and mechanism moves the end
+            outwards; 0 for plane problems, see `lacore.coupling.blocks.slack`.
     """
 
     status: EndStatus
@@ -66,7 +65,7 @@ class End(Shown):
     slack: float = 0.0
 
     def facts(self) -> Facts:
-        """Its value, and what proves it."""
+        """Return the value of the end and its proof."""
         told = {"status": f"{self.status.label}: {self.status.value}"}
         told["residual"] = self.certificate.summary
         return Facts(f"End: load factor {self.load_factor:.7g}", told)
@@ -76,13 +75,13 @@ class End(Shown):
 class Interval(Shown):
     """Load factors that one mechanism carries: all of [low, high].
 
-    Ends are rounded outward: by what their proofs leave open, and to the load factor of the state,
-    so that ``low <= load_factor <= high``. Other mechanisms may carry others. Only the upper end
-    can be unbounded: friction takes power, so that alpha is at least the plastic dissipation less
-    the power of the dead load.
+    Ends are rounded outwards, by the tolerance of their proofs and to the load factor of the state,
+    so that ``low <= load_factor <= high``. Other mechanisms may carry other load factors. Only the
+    upper end can be unbounded: friction dissipates, so the load factor is at least the plastic
+    dissipation minus the power of the dead load.
 
     Attributes:
-        lower, upper: the ends.
+        lower, upper: Ends of the interval.
     """
 
     lower: End
@@ -100,13 +99,13 @@ class Interval(Shown):
 
     @property
     def told(self) -> str:
-        """What the ends were let, in words; empty in the plane."""
+        """Text on the slack of the ends; empty for plane problems."""
         own = self.lower.slack, self.upper.slack
         if not any(own):
             return ""
         return (
-            "directions of slip turn continuously in space: ends have a gap of the bar, which is"
-            f" worth some {own[0]:.1e} and {own[1]:.1e} of the load factor"
+            "directions of slip turn continuously in three dimensions: the ends have a gap of the"
+            f" tolerance, which moves them by about {own[0]:.1e} and {own[1]:.1e} in load factor"
         )
 
     @property
@@ -116,7 +115,7 @@ class Interval(Shown):
         return self.lower.status in proven and self.upper.status in proven
 
     def facts(self) -> Facts:
-        """Both ends, and what each is worth."""
+        """Return both ends and their statuses."""
         told = {
             side: f"{end.load_factor:.7g}, {end.status.label}"
             for side, end in (("low", self.lower), ("high", self.upper))
@@ -135,19 +134,19 @@ class Interval(Shown):
 def load_factor_interval(
     program: KinematicProgram, point: ProgramState, prepare: Prepare, tolerance: float = 1e-6
 ) -> Interval:
-    """Smallest and largest load factor of the mechanism of a certified Coulomb state.
+    """Compute the smallest and the largest load factor of the mechanism of a certified state.
 
     Args:
-        program: dimensionless, as backends get it.
-        point: the state, in the same units; the interval is in them too.
-        prepare: sets an exact backend to work on a program.
-        tolerance: bar for the residuals of the states, and for the proofs of the ends.
+        program: Dimensionless program.
+        point: State in the same units, which are those of the interval.
+        prepare: Function that prepares an exact backend for a program.
+        tolerance: Tolerance for the residuals of the states and the proofs of the ends.
     """
     found = Certificate.of(program, point)
     if not found.holds(tolerance):
         nothing = End(EndStatus.NOT_CERTIFIED, np.nan, point, found)
         return Interval(nothing, nothing)
-    if not program.contact.coulomb.any():  # the power balance of the mechanism leaves no choice
+    if not program.contact.coulomb.any():  # the power balance of the mechanism determines it
         unique = End(EndStatus.EXACT, point.load_factor, point, found)
         return Interval(unique, unique)
     ends = []
@@ -159,7 +158,7 @@ def load_factor_interval(
 
 
 def further(end: End, known: End, sign: float) -> End:
-    """The end, or the state itself where round-off has it beyond: it proves its own load factor."""
+    """Return the end, or the state itself if round-off puts it further out; it is certified too."""
     beyond = sign * (known.load_factor - end.load_factor) > 0
     return replace(known, status=end.status, slack=end.slack) if beyond else end
 
@@ -167,11 +166,11 @@ def further(end: End, known: End, sign: float) -> End:
 def proven_end(
     program: KinematicProgram, point: ProgramState, sign: float, prepare: Prepare, tolerance: float
 ) -> End | None:
-    """The end on the side of `sign`; None where no face proves one.
+    """Return the end on the side of `sign`; None if no face proves one.
 
-    In space it is that of the mechanism up to a slack. In the plane the first face whose end has
-    next to no residuals, or else the best of a few: a face that is a little too large may pass the
-    bar and put its end too far out.
+    In three dimensions it is the end of the mechanism up to a slack. In two dimensions it is the
+    end of the first face with very small residuals, or else the best of a few, because a face that
+    is slightly too large may pass the tolerance with an end too far out.
     """
     if program.contact.tangent_dim > 1:
         return _slack_end(program, point, sign, prepare, tolerance)
@@ -200,7 +199,7 @@ def _end(
     face: Face, solved: KinematicProgram, dual: ProgramState, sign: float, tolerance: float
 ) -> End | None:
     bound = _bound(solved, face.contact, dual, tolerance)
-    # Outward: what the dual solution leaves open belongs to the interval.
+    # Rounded outwards by the duality gap.
     alpha = sign * float(np.maximum(dual.load_factor, bound))
     point = face.state(dual, alpha)
     certificate = Certificate.of(face.original, point)
@@ -214,7 +213,7 @@ def _end(
 def _slack_end(
     program: KinematicProgram, point: ProgramState, sign: float, prepare: Prepare, tolerance: float
 ) -> End | None:
-    """The end of a mechanism in space; None of one that is not proven, or has none."""
+    """Return the end of a three-dimensional mechanism; None without a proven one."""
     own = Slack.of(program, point, sign, tolerance)
     dual, _ = _solve(own.program, own.contact, prepare)
     if dual is None:
@@ -226,15 +225,15 @@ def _slack_end(
     proven = abs(bound - dual.load_factor) <= tolerance * kinematic_power(program, found)
     if not (proven and certificate.holds(tolerance)):
         return None
-    return End(EndStatus.EXACT, alpha, found, certificate, own.worth(dual))
+    return End(EndStatus.EXACT, alpha, found, certificate, own.widening(dual))
 
 
 def _bound(
     program: KinematicProgram, contact: FrozenContact, dual: ProgramState, tolerance: float
 ) -> float:
-    """Bound of the load factors of a face by the velocity of a solution; NaN of none.
+    """Return the bound of the load factors of a face by the velocity of a solution, or NaN.
 
-    The power that this velocity turns over is no scale: it can be 0 together with the load factor.
+    Its dissipated power is not a scale, because it can vanish together with the load factor.
     """
     v, seen = dual.velocity, Certificate.of(program, dual, contact)
     admissible = (seen.penetration, seen.divergence, seen.normalisation)
@@ -245,7 +244,7 @@ def _bound(
 
 
 def _unbounded(face: Face, sign: float, prepare: Prepare, tolerance: float) -> End | None:
-    """Proof that there is no end; None where it fails."""
+    """Return the proof that there is no end; None if it fails."""
     dual, _ = _solve(*ray_program(face, sign), prepare)
     if dual is None:
         return None

@@ -1,15 +1,17 @@
 """Search for low and high Coulomb load factors among different mechanisms (T14b b).
 
-A state is settled from reactions by alternation (T12), and its mechanism carries an interval. From
-an end of it the same reactions, shaken a little, often settle at a mechanism that reaches further:
-so on, until none does. Such a climb starts from the associated reactions, shaken, from the best end
-so far, shaken, and, for the low side, from the end of a continuation: friction grows in steps from
-little, where load factors are unique or nearly so, and each step starts at the low end before it.
-Of blocks in space, where alternation seldom settles, central paths come in place of all these
-(T79): powers that differ from point to point lead to other states, and climbs start from the
-furthest of them.
+Alternation converges from given reactions to a state (T12), whose mechanism carries an interval.
+From slightly perturbed reactions of an end, it often converges to a mechanism that reaches further.
+A climb repeats this until no mechanism does. Climbs start from perturbed associated reactions, from
+the perturbed best end so far, and, for low load factors, from the end of a continuation. The
+continuation increases friction in steps from a small share, at which load factors are almost
+unique, and each step starts at the low end of the step before.
 
-A search finds; that there is nothing lower or higher, it does not prove.
+For three-dimensional blocks, where alternation seldom converges, central paths replace these starts
+(T79): powers that differ between points lead to different states, and climbs start from the
+furthest ones.
+
+All states that a search finds are certified, but lower or higher load factors may exist.
 """
 
 from collections.abc import Callable
@@ -41,14 +43,15 @@ from lacore.solvers.backend import InnerSolution, Prepare, PreparedSolver, check
 
 LOW, HIGH = -1.0, 1.0
 _STEPS = 10  # of friction
-_SETTLE = 24  # inner solves from one start; most certify within 6
-_SHAKEN = 0.3  # logarithmic spread of the reactions of a restart; 1 finds less on the low side
-_SPREADS = (0.0, 0.02, 0.02, 0.1, 0.3)  # at an end, one try each
-_BEST = 0.1  # at the best end, in each restart
-_PATHS = (0.01, 0.3, 1.0)  # logarithmic spreads of their powers, one path each in each restart
-_FURTHER = 1e-7  # of the size of load factors; less is round-off of interior-point methods
-_ALIKE = 100.0  # bars of residuals, of that size: with deformable bodies states that a bar of 1e-6
-# certifies settle to loads up to 3e-5 apart, and a search for so little has no end
+_SETTLE = 24  # most inner solves from one start; usually 6 are enough
+_SHAKEN = 0.3  # logarithmic spread of the reactions of a restart; 1 finds fewer low load factors
+_SPREADS = (0.0, 0.02, 0.02, 0.1, 0.3)  # spreads of successive attempts at an end
+_BEST = 0.1  # spread at the best end, in each restart
+_PATHS = (0.01, 0.3, 1.0)  # logarithmic spreads of the powers of the paths of each restart
+_FURTHER = 1e-7  # of the size of load factors; smaller differences are round-off of solvers
+# Differences of load factors to ignore, per tolerance and size of load factors. With deformable
+# bodies, states that are certified to 1e-6 differ by up to 3e-5 in load factor.
+_ALIKE = 100.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,11 +59,11 @@ class CertifiedMechanism(Compact):
     """One certified mechanism, in the units of the program.
 
     Attributes:
-        restart: 0 is the unshaken start.
-        origin: of what reactions it settled: ``certified``, ``associated``, ``continuation``,
-            ``best``, ``path``, ``low end``, ``high end``.
-        interval: what it carries.
-        iterates: the inner solves that led to it.
+        restart: Number of the restart; 0 is the start without perturbation.
+        origin: Reactions from which it was found: ``certified``, ``associated``, ``continuation``,
+            ``best``, ``path``, ``low end`` or ``high end``.
+        interval: Load factors that it carries.
+        iterates: Inner solves that led to it.
     """
 
     restart: int
@@ -69,17 +72,17 @@ class CertifiedMechanism(Compact):
     iterates: tuple[Iterate, ...]
 
     def end(self, side: float) -> End:
-        """The lower or the upper end."""
+        """Return the lower or the upper end."""
         return self.interval.lower if side < 0 else self.interval.upper
 
 
 def coulomb_bounds(
     program: KinematicProgram, solver: PreparedSolver, tolerance: float
 ) -> tuple[tuple[float, float], ProgramState | None]:
-    """Bounds of all Coulomb load factors of a program (T14), and the associated state, if any.
+    """Return bounds of all Coulomb load factors (T14), and the associated state, if any.
 
-    Below, by admissible stresses and reactions without friction; above, by a velocity that the
-    associated law admits. Each needs its own half of the residuals only.
+    Admissible stresses and reactions without friction give the lower bound, and a velocity that the
+    associated law admits gives the upper bound. Each needs only its own half of the residuals.
     """
     frozen = frictionless_contact(program.contact), associated_contact(program.contact)
     below, above = (checked_answer(program, False, solver.solve(f)) for f in frozen)
@@ -93,19 +96,20 @@ class Search:
     """A search on one program.
 
     Attributes:
-        program: dimensionless.
-        solver: at work on it; friction grows in what is frozen, so that it serves all steps.
-        prepare: for the programs of the ends.
-        tolerance: bar for all residuals.
-        bounds: proven bounds of all load factors of the program (T14): an end that reaches its
-            bound ends a climb.
-        rng: of the shaking.
-        on_found: called for each certified mechanism.
-        on_solve: called after each inner solve of a loop; it may end the search by raising
-            `lacore.coupling.deadline.OutOfTime`: `best` stands.
-        seconds: that are left for a central path.
-        best: the mechanism that reaches furthest on each side.
-        solves: inner solves so far, those of the ends included.
+        program: Dimensionless program.
+        solver: Solver prepared for it. It serves all steps of a continuation, because only the
+            frozen contact contains the friction.
+        prepare: Function that prepares a backend for the programs of the ends.
+        tolerance: Tolerance for all residuals.
+        bounds: Proven bounds of all load factors of the program (T14). A climb stops at an end that
+            reaches its bound.
+        rng: Random numbers for the perturbations.
+        on_found: Function that is called for each certified mechanism.
+        on_solve: Function that is called after each inner solve of a loop. It may end the search by
+            raising `lacore.coupling.deadline.OutOfTime`; `best` remains valid.
+        seconds: Function that returns the time for a central path, s.
+        best: Mechanism that reaches furthest on each side.
+        solves: Number of inner solves so far, including those of the ends.
     """
 
     program: KinematicProgram
@@ -124,8 +128,8 @@ class Search:
     def run(self, certified: ProgramState | None, start: ProgramState, restarts: int) -> None:
         """Search from a certified state, if there is one, and from admissible reactions.
 
-        From these once as they are, and `restarts` times shaken; of blocks in space as many times
-        along central paths.
+        The reactions are used once unchanged and `restarts` times perturbed. For three-dimensional
+        blocks, central paths are followed as many times.
         """
         known = None if certified is None else self._known(certified)
         if poses(self.program) and self.program.contact.tangent_dim > 1:
@@ -145,7 +149,7 @@ class Search:
                     self._climb(self._found(shaken, restart, "best"), side)
 
     def _explore(self, start: ProgramState, restarts: int) -> None:
-        """Central paths, and then climbs from what is furthest out."""
+        """Follow central paths, and then climb from the furthest ends."""
         for restart in range(restarts + 1):
             for spread in _PATHS:
                 if not (self._bounded(LOW) and self._bounded(HIGH)):
@@ -154,7 +158,7 @@ class Search:
             self._climb(self.best.get(side), side)
 
     def _along(self, start: ProgramState, spread: float, restart: int) -> None:
-        """The mechanism at the end of a central path, noted."""
+        """Record the mechanism at the end of a central path."""
         run = replace(self._run(self.program), time_limit=self.seconds())
         last = along_path(run, start, spread, self.rng)
         self.solves += 1
@@ -166,7 +170,7 @@ class Search:
             self._climb(found, side)
 
     def _climb(self, found: CertifiedMechanism | None, side: float) -> None:
-        """From the end of an interval to that of the next, until none reaches further."""
+        """Proceed from the end of an interval to that of the next, until none reaches further."""
         origin = "low end" if side < 0 else "high end"
         tries = list(_SPREADS)
         while found is not None and tries and not self._bounded(side):
@@ -179,7 +183,7 @@ class Search:
                 found, tries = other, list(_SPREADS)
 
     def _continued(self, start: ProgramState, spread: float) -> ProgramState:
-        """Reactions after steps of growing friction along the low ends, shaken at each."""
+        """Return reactions after steps of increasing friction along perturbed low ends."""
         for share in np.arange(1, _STEPS) / _STEPS:
             rows = self.program.contact
             scaled = replace(rows, coefficient=float(share) * rows.coefficient)
@@ -193,7 +197,7 @@ class Search:
     def _settled(
         self, program: KinematicProgram, start: ProgramState
     ) -> tuple[ProgramState, Run] | None:
-        """The certified state that alternation reaches from reactions (T12)."""
+        """Return the certified state that alternation reaches from reactions (T12)."""
         run = self._run(program)
         last = averaged(run, start)
         self.solves += len(run.iterates)
@@ -209,7 +213,7 @@ class Search:
         return CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
 
     def _found(self, start: ProgramState, restart: int, origin: str) -> CertifiedMechanism | None:
-        """The mechanism that settles from reactions, noted."""
+        """Record and return the mechanism that alternation reaches from reactions."""
         settled = self._settled(self.program, start)
         if settled is None:
             return None
@@ -217,7 +221,7 @@ class Search:
         return self._noted(state, restart, origin, tuple(run.iterates))
 
     def _known(self, certified: ProgramState) -> CertifiedMechanism | None:
-        """The mechanism of a state that needs no settling, so that its own load is among those."""
+        """Record and return the mechanism of a certified state, whose load factor then counts."""
         inner = InnerSolution(Status.SOLVED, "certified", 0, 0.0, certified)
         proof = Certificate.of(self.program, certified)
         iterate = Iterate(0, "certified", inner, certified, proof, float("nan"))
@@ -243,15 +247,15 @@ class Search:
 
     @property
     def _apart(self) -> float:
-        """Share of the size of load factors by which ends differ, as far as a climb can tell."""
+        """Share of the size of load factors by which the ends of a climb must differ."""
         return max(_FURTHER, _ALIKE * self.tolerance)
 
     def _beyond(self, side: float, end: End, other: End, share: float) -> bool:
-        """Whether an end is further out than another one, by more than a share of their size."""
+        """Whether an end is further out than another, by more than a share of the size."""
         return side * (end.load_factor - other.load_factor) > share * self._size
 
     def _left(self, side: float, end: End) -> bool:
-        """Whether a climb came to this end before; notes it."""
+        """Record an end; return whether a climb reached it before."""
         known = self._visited[side]
         if any(abs(alpha - end.load_factor) <= self._apart * self._size for alpha in known):
             return True
@@ -259,7 +263,7 @@ class Search:
         return False
 
     def _bounded(self, side: float) -> bool:
-        """Whether the best end has reached what bounds every Coulomb load factor."""
+        """Whether the best end has reached the bound of all Coulomb load factors."""
         if side not in self.best:
             return False
         alpha, bound = self.best[side].end(side).load_factor, self.bounds[int(side > 0)]

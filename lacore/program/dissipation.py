@@ -1,4 +1,4 @@
-"""What straining the bodies of a program costs: cones, and surfaces that depend on pressure."""
+"""Dissipation in the bodies of a program: cones, and surfaces that depend on pressure."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,9 +11,9 @@ from lacore.program.surfaces import Surfaces
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
-_DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
-_CANCELLED = 1e-13  # of the largest entry of a row: a sum of a dozen terms that is zero
+_ROUND_OFF = 16 * float(np.finfo(float).eps)  # of sums with about 16 terms
+_DOUBTFUL = 1e-12  # of the largest term in a sum; larger values are not round-off
+_CANCELLED = 1e-13  # of the largest entry of a row; smaller entries are round-off of sums
 
 
 @dataclass(frozen=True, repr=False)
@@ -21,25 +21,25 @@ class DissipationGroup(Compact):
     """Cones of one kind: ``sum_g weights_g bound_g ||(rows U)_g||`` with ``volumetric U = 0``.
 
     Hardening adds ``weights_g modulus_g ||(rows U)_g||^2/2`` (T29): the stress at yield is then
-    ``bound + modulus ||rows U||``. Where strength depends on pressure, `surfaces` say what flow
-    costs, and which is possible, in place of `bound` and of ``volumetric U = 0``.
+    ``bound + modulus ||rows U||``. If strength depends on pressure, `surfaces` define the
+    dissipation and the possible flow, in place of `bound` and ``volumetric U = 0``.
 
     Attributes:
-        name: for messages and results.
-        rows: stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
-        dim: rows in a cone.
-        weights: integration weights, shape (m,), m^3; m^2 of plane bodies of unit thickness.
-        bound: largest norm of the conjugate stress, with `surfaces` that without pressure, shape
+        name: Name for messages and results.
+        rows: Stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
+        dim: Number of rows in a cone.
+        weights: Integration weights, shape (m,), m^3; m^2 for plane bodies of unit thickness.
+        bound: Largest norm of the conjugate stress, at zero pressure if there are `surfaces`, shape
             (m,), Pa.
-        volumetric: rows of theta, shape (m L, n); L is 1 but for surfaces that feel more.
-        volumetric_factor: see `lacore.model.materials.conic_form.ConicForm`.
-        modulus: of hardening with the strain rate, >= 0, shape (m,), Pa s; None: there is none.
-            Beside surfaces it raises all that bound ``||s||``, and chooses between velocities:
-            flow of an apex has no certificate with it.
-        surfaces: yield surfaces that depend on pressure; None: none does.
-        conditions: combinations of volumetric rows times roots of their weights, orthonormal, shape
-            (k, m): as many as do not depend on each other, and all of what the rows say; None: the
-            rows themselves. Whoever solves may take either; mean stresses are those of the rows.
+        volumetric: Rows of theta, shape (m L, n). L is 1 unless surfaces depend on more stresses.
+        volumetric_factor: See `lacore.model.materials.conic_form.ConicForm`.
+        modulus: Modulus of hardening with the strain rate, >= 0, shape (m,), Pa s; None without
+            hardening. With surfaces, it raises those that bound ``||s||`` and selects a velocity;
+            flow at an apex then has no certificate.
+        surfaces: Yield surfaces that depend on pressure; None without any.
+        conditions: Orthonormal combinations of the volumetric rows times roots of their weights,
+            shape (k, m), which are independent and equivalent to the rows; None for the rows
+            themselves. Backends may use either; mean stresses belong to the rows.
     """
 
     name: str
@@ -65,9 +65,9 @@ class DissipationGroup(Compact):
 
     @cached_property
     def conditioned(self) -> Sparse | None:
-        """What `conditions` say of velocities, shape (k, n); None without them.
+        """Conditions on the velocities, shape (k, n); None without `conditions`.
 
-        Kept: of one program several forms are made.
+        The value is cached, because one program has several forms.
         """
         if self.conditions is None:
             return None
@@ -86,43 +86,42 @@ class DissipationGroup(Compact):
         return np.zeros(self.weights.size) if self.modulus is None else self.modulus
 
     def cone_vectors(self, velocity: Floats) -> Floats:
-        """``(rows U)`` by cone, shape (m, dim)."""
+        """Return ``(rows U)`` by cone, shape (m, dim)."""
         return np.asarray(self.rows @ velocity).reshape(-1, self.dim)
 
     def rates(self, velocity: Floats) -> Floats:
-        """``||(rows U)||`` of each cone, shape (m,); none where it is round-off of its own sums.
+        """Return ``||(rows U)||`` of each cone, shape (m,), with round-off replaced by zero.
 
-        The exact motion next to it does not strain: beside a strength of 1e8 weights what is left
-        of a rigid motion would dissipate.
+        With a strength of 1e8 times the weight, the round-off of a rigid motion would dissipate.
         """
         lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
         return _without_round_off(lengths, self.rows, self.dim, velocity)
 
     def volume_rates(self, velocity: Floats) -> Floats:
-        """``volumetric U``, shape (m L,); none where it is round-off of its own sums."""
+        """Return ``volumetric U``, shape (m L,), with round-off replaced by zero."""
         rates = np.asarray(self.volumetric @ velocity)
         sizes = _without_round_off(np.abs(rates), self.volumetric, 1, velocity)
         return np.asarray(np.sign(rates) * sizes)
 
     def dissipation(self, velocity: Floats) -> Floats:
-        """Dissipation of each cone, shape (m,)."""
+        """Return the dissipation of each cone, shape (m,)."""
         volume = None if self.surfaces is None else self.volume_rates(velocity)
         return self.dissipated(self.rates(velocity), volume)
 
     def dissipated(self, rates: Floats, volume: Floats | None) -> Floats:
-        """Dissipation of each cone at `rates`, and `volume_rates` where surfaces ask for them."""
+        """Return the dissipation of each cone at `rates`, and at `volume_rates` with surfaces."""
         if self.surfaces is None or volume is None:
             return np.asarray(self.weights * self.bound * rates)
         return np.asarray(self.weights * self.surfaces.dissipation(rates, volume))
 
     def strength_at(self, mean: Floats) -> Floats:
-        """Largest ``||stress||`` beside mean stresses of shape (m L,), shape (m,), Pa; >= 0."""
+        """Return the largest ``||stress||`` at mean stresses (m L,): shape (m,), Pa, >= 0."""
         return self.bound if self.surfaces is None else self.surfaces.strength_at(mean)
 
     def impossible(self, velocity: Floats) -> Floats:
-        """How far each cone is from flow that is possible, ``|theta|`` where none changes volume.
+        """Return how far the flow of each cone is from possible flow, shape (m,), 1/s.
 
-        Shape (m,), 1/s; see `lacore.program.surfaces.Surfaces.impossible`.
+        It is ``|theta|`` without surfaces, see `lacore.program.surfaces.Surfaces.impossible`.
         """
         volume = np.asarray(self.volumetric @ velocity)
         if self.surfaces is None:
@@ -131,12 +130,12 @@ class DissipationGroup(Compact):
         return np.asarray(np.maximum(self.surfaces.impossible(lengths, volume), 0.0))
 
     def taken(self, velocity: Floats, mean: Floats) -> float:
-        """Power of stresses on flow that is not possible, from above.
+        """Return an upper bound of the power of stresses on impossible flow.
 
-        What a cone leaves of its conditions is a rate times a weight: near an axis of revolution,
-        or in the least element, the rate alone says little. The stress is the mean one and what
-        can be carried beside it, no less than on the average of all points: where both vanish, too,
-        flow has to keep to its rule.
+        The rate of each cone is weighted, because near an axis of symmetry and in small elements
+        the rate alone is not significant. The stress is the mean stress plus the strength at it. At
+        least the average over all points is used, so that impossible flow counts at points without
+        stress and strength as well.
         """
         if not self.weights.size:
             return 0.0
@@ -147,11 +146,11 @@ class DissipationGroup(Compact):
         return float(self.weights @ (stress * self.impossible(velocity)))
 
     def beyond(self, stress: Floats, mean: Floats) -> Floats:
-        """Share by which stresses exceed the strength of each cone, shape (m,); NaN of NaN.
+        """Return the share by which stresses exceed the strength of each cone, shape (m,).
 
         Args:
-            stress: conjugate of the cone rows, shape (m, dim), Pa.
-            mean: conjugate of the volumetric rows, shape (m L,), Pa.
+            stress: Conjugate of the cone rows, shape (m, dim), Pa; NaN gives NaN.
+            mean: Conjugate of the volumetric rows, shape (m L,), Pa.
         """
         size = np.linalg.norm(stress, axis=1)
         if self.surfaces is None:
@@ -159,12 +158,12 @@ class DissipationGroup(Compact):
         return self.surfaces.beyond(size, mean)
 
     def uses(self, stress: Floats, mean: Floats) -> Floats:
-        """Share of what each cone carries at its pressure that stresses use, shape (m,)."""
+        """Return the share of the strength at its pressure that each cone uses, shape (m,)."""
         size, most = np.linalg.norm(stress, axis=1), self.strength_at(mean)
         return np.asarray(size / np.where(most > 0, most, np.inf))
 
     def use(self, stress: Floats, mean: Floats) -> float:
-        """Largest share of their strength that stresses call on, see `beyond`; >= 0."""
+        """Return the largest share of the strength that stresses use, see `beyond`; >= 0."""
         size = np.linalg.norm(stress, axis=1)
         if self.surfaces is None:
             return float((size / self.bound).max(initial=0.0))
@@ -174,45 +173,45 @@ class DissipationGroup(Compact):
         return float(np.where(strength > 0, share, none).max(initial=0.0))
 
     def times(self, factor: float | Floats) -> "DissipationGroup":
-        """The group with its strength times a factor, of all cones or of each, shape (m,)."""
+        """Return the group with its strength times one factor, or one per cone, shape (m,)."""
         surfaces = None if self.surfaces is None else self.surfaces.times(factor)
         return replace(self, bound=factor * self.bound, surfaces=surfaces)
 
     @property
     def frictional(self) -> bool:
-        """Whether flow is not associated: friction dissipates beside what dilates (T50)."""
+        """Whether flow is non-associated, with friction in addition to dilation (T50)."""
         return self.surfaces is not None and self.surfaces.flow is not None
 
     @property
     def dilates_besides(self) -> bool:
-        """Whether flow has rates besides its own (T52, S-step)."""
+        """Whether surfaces have a frozen dilation in addition to that of flow (T52, S-step)."""
         return self.surfaces is not None and self.surfaces.dilation is not None
 
     @property
     def sliding(self) -> bool:
-        """Whether cones are planes of slip and nothing else, as Davis's strength is of (T55)."""
+        """Whether all cones are single planes of slip, which Davis's strength requires (T55)."""
         return self.surfaces is not None and self.surfaces.count == 1 and self.dim == 2
 
     @property
     def frictions(self) -> int:
-        """Numbers that `friction` lists."""
+        """Number of values that `friction` returns."""
         return 0 if self.surfaces is None or not self.frictional else self.surfaces.strength.size
 
     def friction(self, mean: Floats) -> Floats:
-        """Friction of all cones at mean stresses, shape (m k,), Pa; empty of associated flow."""
+        """Return the friction of cones at mean stresses, shape (m k,), Pa, or an empty array."""
         if self.surfaces is None or not self.frictional:
             return np.zeros(0)
         return self.surfaces.friction(mean).ravel()
 
     def at_friction(self, friction: Floats) -> "DissipationGroup":
-        """The group with its friction frozen, shape (m k,), Pa (T52)."""
+        """Return the group with frozen friction, shape (m k,), Pa (T52)."""
         if self.surfaces is None or not self.frictional:
             return self
         surfaces = self.surfaces.at_friction(friction.reshape(-1, self.surfaces.count))
         return replace(self, surfaces=surfaces)
 
     def at_flow(self, velocity: Floats, friction: Floats) -> "DissipationGroup":
-        """The group with the flow of a velocity frozen (T52), on its surfaces as friction says."""
+        """Return the group with the flow of a velocity frozen, at a frozen friction (T52)."""
         frozen = self.at_friction(friction).surfaces
         if self.surfaces is None or frozen is None or not self.frictional:
             return self
@@ -220,16 +219,16 @@ class DissipationGroup(Compact):
         return replace(self, surfaces=self.surfaces.at_flow(flows[:, : self.surfaces.count]))
 
     def associated(self) -> "DissipationGroup":
-        """The group with flow normal to its surfaces."""
+        """Return the group with flow normal to its surfaces."""
         if self.surfaces is None:
             return self
         return replace(self, surfaces=self.surfaces.associated())
 
     def davis(self) -> "DissipationGroup":
-        """The group with Davis's strength (T55), of cones that are planes of slip.
+        """Return the group with Davis's strength (T55).
 
         Raises:
-            InputError: other cones.
+            InputError: The cones are not planes of slip.
         """
         if self.surfaces is None or not self.frictional:
             return self
@@ -243,10 +242,10 @@ class DissipationGroup(Compact):
         return replace(self, surfaces=self.surfaces.davis())
 
     def hardened(self, velocity: Floats) -> "DissipationGroup":
-        """The group with the stress bounds of a velocity, and no hardening beyond them.
+        """Return the group with the stress bounds of a velocity, and without hardening.
 
         A velocity that is optimal with hardening is optimal with these bounds, with the same
-        stresses, reactions and load factor: all that is proven of it is proven with them.
+        stresses, reactions and load factor, so a proof with these bounds is sufficient.
         """
         if self.modulus is None:
             return self
@@ -256,7 +255,7 @@ class DissipationGroup(Compact):
 
 
 def _without_round_off(sizes: Floats, rows: Sparse, dim: int, velocity: Floats) -> Floats:
-    """Sizes of the vectors of `dim` rows at a velocity, 0 where they are round-off of the sums."""
+    """Return the sizes of vectors of `dim` rows at a velocity, with round-off replaced by zero."""
     largest = np.abs(rows.data).max(initial=0.0) * np.abs(velocity).max(initial=0.0)
     if not np.any(sizes <= _DOUBTFUL * largest):
         return np.asarray(sizes)
@@ -265,7 +264,7 @@ def _without_round_off(sizes: Floats, rows: Sparse, dim: int, velocity: Floats) 
 
 
 def _beyond(size: Floats, bound: Floats) -> Floats:
-    """Share by which stresses exceed their bound; what has no strength carries none."""
+    """Return the share by which stresses exceed their bound; inf for stress without strength."""
     strong = bound > 0
     share = size / np.where(strong, bound, 1.0) - 1
     return np.where(strong, share, np.where(size == 0, 0.0, np.where(size > 0, np.inf, np.nan)))

@@ -1,10 +1,10 @@
-"""The regularised dissipation and contact laws (T17-T20), as corrected from the paper.
+"""Regularised dissipation and contact laws (T17-T20), corrected from the original publication.
 
 Every rate-independent term ``bound ||v||`` becomes the least of a viscous energy
 ``stiffness ||v - v_p||^2 / 2`` and the dissipation ``bound ||v_p||`` (a Huber function), and one
-that hardens (T29) keeps its ``modulus ||v_p||^2 / 2`` beside the dissipation; incompressibility and
-contact become penalties. Where strength depends on pressure one law takes the place of both, with
-an elastic share of all rates (T65). All quantities in the units of the program.
+that hardens (T29) keeps its ``modulus ||v_p||^2 / 2`` in addition to the dissipation.
+Incompressibility and contact become penalties. If strength depends on pressure, one law replaces
+both, with an elastic share of all rates (T65). All quantities are in the units of the program.
 """
 
 import math
@@ -181,11 +181,11 @@ def _huber(length: Floats, stiffness: float, bound: Floats, modulus: Floats) -> 
 
 @dataclass(frozen=True)
 class Beside:
-    """A law that hardens as two without hardening beside each other (T17), each of shape (m,).
+    """A hardening law as the sum of two laws without hardening (T17), arrays of shape (m,).
 
     Attributes:
-        spring: stiffness of a linear one.
-        stiffness, bound: of a Huber function, with the threshold of the law.
+        spring: Stiffness of a linear law.
+        stiffness, bound: Stiffness and bound of a Huber function with the threshold of the law.
     """
 
     spring: Floats
@@ -194,7 +194,7 @@ class Beside:
 
 
 def beside(stiffness: float, bound: Floats, modulus: Floats) -> Beside:
-    """What a solver that knows Huber functions makes of hardening (T17)."""
+    """Write a hardening law as the sum of a linear law and a Huber function (T17)."""
     share = stiffness / (stiffness + modulus)
     return Beside(share * modulus, share * stiffness, share * bound)
 
@@ -360,7 +360,7 @@ def _contact_law(
 
     With dilatancy d the penalty energy is that of the distance to the cone ``u_n >= d ||u_t||``
     in the metric (K_n, K_t): its derivative is the trial reaction projected onto
-    ``||t_t|| <= d t_n``. A bound on friction is a law beside it.
+    ``||t_t|| <= d t_n``. A bound on friction is an additional law.
     """
     opening = program.contact.opening(velocity) + contact.shift
     slip = program.contact.slip(velocity)

@@ -1,17 +1,17 @@
-"""Yield surfaces that depend on pressure, and what straining against them costs (T39, T40).
+"""Yield surfaces that depend on pressure, and their dissipation (T39, T40).
 
-At each point stresses ``q = ||s||`` and ``p`` stay within planes, normals of which the flow keeps:
+At each point stresses ``q = ||s||`` and ``p`` stay within planes, and flow is normal to them:
 
     normed_i q + slope_i . p <= strength_i
     ||d|| <= sum_i normed_i lam_i,  v = sum_i slope_i lam_i,  lam >= 0,  D = sum_i strength_i lam_i
 
-s and d of the cone rows, p and v of the volumetric ones. As a polyhedron of (q, p) their corners
-give the dissipation, ``D = max (q ||d|| + p . v)``, and its edges to infinity the flow that is
-possible at all: ``q ||d|| + p . v <= 0`` along each. For Mohr-Coulomb in plane strain there is one
-corner, the apex, and ``D = c cot(phi) theta`` with ``theta >= sin(phi) ||d||`` (T38).
+Here s and d belong to the cone rows, p and v to the volumetric rows. The planes bound a polyhedron
+of (q, p). Its corners give the dissipation, ``D = max (q ||d|| + p . v)``, and its unbounded edges
+the possible flow, ``q ||d|| + p . v <= 0`` along each. For Mohr-Coulomb in plane strain there is
+one corner, the apex, and ``D = c cot(phi) theta`` with ``theta >= sin(phi) ||d||`` (T38).
 
-Where flow dilates less than its surfaces slope (T49), only their friction at a frozen pressure, or
-a frozen flow, leaves something convex: again surfaces whose normals flow keeps (T52, T88).
+Non-associated flow (dilation angle smaller than the friction angle, T49) becomes convex if friction
+is frozen at a pressure, or if flow is frozen. Both give surfaces with associated flow (T52, T88).
 """
 
 from dataclasses import dataclass, replace
@@ -25,8 +25,8 @@ from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.numerics.polyhedra import corners, far_edges, nearest
 from lacore.reporting.showing import Compact
 
-_SWEEPS = 3  # over edges that a strain rate is beyond: each is one of a few
-_ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
+_SWEEPS = 3  # corrections of a strain rate that violates edges, of which there are few
+_ON = 1e-9  # of the sizes of the terms: a point closer to a plane lies on it
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class Surfaces(Compact):
     """Yield surfaces of m points, k of each, in L volumetric rows.
 
     Attributes:
-        slope: outward normal in p of each, shape (m, k, L).
-        strength: Pa, shape (m, k).
-        normed: 1 where ``||s||`` counts, 0 of a plane in p alone, shape (k,).
-        dilation: volumetric rates that flow has besides, shape (m L,), 1/s; None: none. With it a
-            velocity comes out strictly inside of what is possible (T45).
-        flow: slopes by which flow on each dilates in place of its own, shape (m, k, L), the first
-            at most its own; None: its own, the associated flow.
+        slope: Outward normals in p, shape (m, k, L).
+        strength: Strengths, Pa, shape (m, k).
+        normed: 1 for planes that depend on ``||s||``, 0 for planes in p alone, shape (k,).
+        dilation: Volumetric rates in addition to those of flow, shape (m L,), 1/s; None for none.
+            With them a velocity is strictly inside the possible flow (T45).
+        flow: Slopes of the dilation on each surface, shape (m, k, L), the first at most as large as
+            `slope`; None for `slope`, which is associated flow.
     """
 
     slope: Floats
@@ -64,7 +64,7 @@ class Surfaces(Compact):
 
     @property
     def numbers(self) -> dict[str, Floats]:
-        """All that must be finite, by name."""
+        """Arrays that must be finite, by name."""
         numbers = {"slope": self.slope.ravel(), "strength of surfaces": self.strength.ravel()}
         if self.flow is not None:
             numbers["slope of flow"] = self.flow.ravel()
@@ -82,12 +82,12 @@ class Surfaces(Compact):
 
     @property
     def besides(self) -> Floats:
-        """`dilation`, zero where there is none, shape (m L,), 1/s."""
+        """`dilation`, or zeros without it, shape (m L,), 1/s."""
         none = np.zeros(self.strength.shape[0] * self.volumes)
         return none if self.dilation is None else self.dilation
 
     def times(self, factor: float | Floats, rate: float | Floats = 1.0) -> "Surfaces":
-        """In other units: strengths and rates times factors, of all points or of each, (m,)."""
+        """Return surfaces with strengths and rates times one factor, or one per point, (m,)."""
         dilation = self.dilation
         if dilation is not None:
             dilation = (dilation.reshape(-1, self.volumes) * np.reshape(rate, (-1, 1))).ravel()
@@ -96,11 +96,11 @@ class Surfaces(Compact):
         )
 
     def raised(self, by: Floats) -> "Surfaces":
-        """With so much more strength of all that bound ``||s||``, shape (m,), Pa."""
+        """Return surfaces with a higher strength of those that bound ``||s||``, shape (m,), Pa."""
         return replace(self, strength=self.strength + self.normed * by[:, None])
 
     def at(self, points: Bools | Ints) -> "Surfaces":
-        """Those of the points of a mask of shape (m,), or of numbers; without dilation."""
+        """Return the surfaces of points, given by a mask or by numbers, without dilation."""
         return replace(
             self,
             slope=self.slope[points],
@@ -110,23 +110,23 @@ class Surfaces(Compact):
         )
 
     def associated(self) -> "Surfaces":
-        """The same, with flow normal to them."""
+        """Return the surfaces with flow normal to them."""
         return replace(self, flow=None)
 
     def friction(self, mean: Floats) -> Floats:
-        """What p of shape (m L,) adds to the shear that flow dissipates, shape (m, k), Pa; >= 0.
+        """Return the friction at mean stresses of shape (m L,), shape (m, k), Pa, >= 0.
 
-        ``(sin(phi) - sin(psi)) pi`` (T50), pi of each surface the pressure from the apex that it
-        feels (T88); none of surfaces with associated flow.
+        It is ``(sin(phi) - sin(psi)) pi`` (T50), where pi is the pressure from the apex that acts
+        on the surface (T88). It is zero for associated flow.
         """
         felt = np.einsum("mkl,ml->mk", self._kept, mean.reshape(-1, self.volumes))
         return np.asarray(np.maximum(self._of_friction * self.strength - felt, 0.0))
 
     def at_friction(self, friction: Floats) -> "Surfaces":
-        """Associated ones that flow of a frozen friction obeys (T52, K-step), and their apex.
+        """Return the surfaces with associated flow at a frozen friction (T52, K-step).
 
         Args:
-            friction: as of `friction`, shape (m, k), Pa.
+            friction: Friction as of `friction`, shape (m, k), Pa.
         """
         rubs = np.any(self._kept, axis=(0, 2))
         first = int(rubs.argmax())
@@ -140,16 +140,16 @@ class Surfaces(Compact):
         )
 
     def at_flow(self, multipliers: Floats) -> "Surfaces":
-        """Associated ones that dilate more than frozen flow does (T52, S-step).
+        """Return the surfaces with associated flow at a frozen flow (T52, S-step).
 
         Args:
-            multipliers: how fast each surface flows, shape (m, k), 1/s.
+            multipliers: Rates of flow on the surfaces, shape (m, k), 1/s.
         """
         more = np.einsum("mkl,mk->ml", self._kept, multipliers).ravel()
         return replace(self, dilation=self.besides - more, flow=None)
 
     def davis(self) -> "Surfaces":
-        """Associated ones with the strength of lines that do not extend (T55), of one plane."""
+        """Return surfaces with Davis's strength, that of lines without extension (T55)."""
         sine = self.slope[:, :, 0]
         cosine, dilating = np.sqrt(1 - sine**2), sine - self._kept[:, :, 0]
         share = np.sqrt(1 - dilating**2) * cosine / (1 - dilating * sine)
@@ -161,46 +161,47 @@ class Surfaces(Compact):
 
     @property
     def _kept(self) -> Floats:
-        """Slopes by which flow does not dilate, shape (m, k, L)."""
+        """Part of the slopes without dilation, shape (m, k, L)."""
         return np.zeros_like(self.slope) if self.flow is None else self.slope - self.flow
 
     @property
     def _of_friction(self) -> Floats:
-        """Share of each strength that is friction at the apex, which all that rub have in common.
+        """Share of each strength that is friction at the common apex, shape (m, k).
 
-        There p is ``(H, 0)``, as the first volumetric row is that of the whole volume: (m, k).
+        At the apex p is ``(H, 0)``, because the first volumetric row is that of the volume.
         """
         kept, own = self._kept[:, :, 0], self.slope[:, :, 0]
         return np.asarray(np.divide(kept, own, out=np.zeros_like(kept), where=kept != 0))
 
     @property
     def largest_shear(self) -> float:
-        """Largest ``||s||`` of all points at any pressure, Pa; inf where it grows with pressure."""
+        """Largest ``||s||`` of all points at any pressure, Pa; inf if it grows with pressure."""
         if (self._edges[:, :, 0] > 0).any():
             return np.inf
         corners, real = self._corners
         return float(corners[:, :, 0].max(where=real, initial=0.0))
 
     def use(self, size: Floats, mean: Floats) -> Floats:
-        """What stresses call on, ``normed q + slope . p``, shape (m, k).
+        """Return the used strength ``normed q + slope . p``, shape (m, k), Pa.
 
         Args:
-            size: ``||s||``, shape (m,), Pa.
-            mean: p, shape (m L,), point after point, Pa.
+            size: Norm ``||s||``, shape (m,), Pa.
+            mean: Mean stresses p, shape (m L,), point after point, Pa.
         """
         pressed = np.einsum("mkl,ml->mk", self.slope, mean.reshape(-1, self.volumes))
         return np.asarray(self.normed * size[:, None] + pressed)
 
     def strength_at(self, mean: Floats) -> Floats:
-        """Largest ``||s||`` beside p of shape (m L,), shape (m,), Pa; 0 beyond it."""
+        """Return the largest ``||s||`` at p of shape (m L,): shape (m,), Pa; 0 outside."""
         room = self.strength - self.use(np.zeros(self.strength.shape[0]), mean)
         return np.asarray(np.maximum(room[:, self.normed > 0].min(axis=1), 0.0))
 
     def beyond(self, size: Floats, mean: Floats) -> Floats:
-        """By how much stresses exceed the surfaces, relative, shape (m,); NaN of NaN.
+        """Return the relative excess of stresses over the surfaces, shape (m,); NaN for NaN.
 
-        Each surface per the terms of its own, or their mean over all points where that is more: at
-        an apex all terms vanish, and a strength in crushing is no measure of a cohesion.
+        It is relative to the terms of the surface, or to their mean over all points if that is
+        larger, because all terms vanish at an apex. Each surface has its own scale: a crushing
+        strength is not a scale for a cohesion.
         """
         if not size.size:
             return np.zeros(0)
@@ -211,14 +212,15 @@ class Surfaces(Compact):
         return np.asarray(np.max(excess / np.where(scale > 0, scale, 1.0), axis=1))
 
     def dissipation(self, length: Floats, volume: Floats) -> Floats:
-        """Power per volume of strain rates, shape (m,): ``D``, or of possible ones next to them.
+        """Return the dissipation per volume of strain rates, shape (m,).
 
-        Next by volumetric rates: at a small angle the apex is far away, and what a solver leaves of
-        ``theta >= sin(phi) ||d||`` would count by it.
+        Impossible rates are first replaced by possible ones with other volumetric rates. At small
+        friction angles the apex is far away, so the residual of ``theta >= sin(phi) ||d||`` would
+        otherwise change the dissipation considerably.
 
         Args:
-            length: ``||d||``, shape (m,).
-            volume: v, shape (m L,), point after point.
+            length: Norm ``||d||``, shape (m,).
+            volume: Volumetric rates v, shape (m L,), point after point.
         """
         if self.flow is not None:
             raise ValueError("flow that is not associated dissipates at a friction: freeze it")
@@ -230,7 +232,7 @@ class Surfaces(Compact):
         return np.asarray(np.where(real, powers, -np.inf).max(axis=1, initial=-np.inf))
 
     def _possible(self, rates: Floats) -> Floats:
-        """Rates with volumetric ones moved out of what the worst edges forbid, (m, 1+L)."""
+        """Return rates whose volumetric part is corrected to satisfy the edges, shape (m, 1+L)."""
         size = np.sum(self._edges[:, :, 1:] ** 2, axis=2)
         for _ in range(_SWEEPS):
             powers = np.einsum("mel,ml->me", self._edges, rates)
@@ -245,9 +247,10 @@ class Surfaces(Compact):
         return rates
 
     def multipliers(self, length: Floats, volume: Floats) -> Floats:
-        """How fast each surface flows where strain rates cost least, shape (m, k), 1/s; >= 0.
+        """Return the rates of flow on the surfaces with the least dissipation, (m, k), 1/s, >= 0.
 
-        Of several ways at the same cost the slowest; of rates as `dissipation` takes them.
+        Of several possibilities with the same dissipation the slowest is returned. Impossible rates
+        are replaced as in `dissipation`.
         """
         normals, felt = self.planes[0], np.append(True, ~self._lines)
         rates = self._possible(np.column_stack([length, volume.reshape(-1, self.volumes)]))
@@ -268,10 +271,9 @@ class Surfaces(Compact):
         return np.asarray(np.nan_to_num(np.maximum(best[:, : self.count], 0.0)))
 
     def impossible(self, length: Floats, volume: Floats) -> Floats:
-        """How far strain rates are from flow that is possible, 1/s, shape (m,); <= 0 within it.
+        """Return how far strain rates are from possible flow, shape (m,), 1/s; <= 0 if possible.
 
-        In units of the volumetric rates: for Mohr-Coulomb ``sin(phi) ||d|| - theta``; -inf where
-        all flow is possible.
+        For Mohr-Coulomb it is ``sin(phi) ||d|| - theta``. It is -inf if all flow is possible.
         """
         if not length.size:
             return np.zeros(0)
@@ -280,13 +282,13 @@ class Surfaces(Compact):
         return np.asarray(np.where(self._edges.any(axis=2), powers, -np.inf).max(axis=1))
 
     def closest_point(self, rates: Floats, stiffness: Floats) -> ClosestPoint:
-        """Stresses ``stiffness * rates``, or those within the surfaces closest to them.
+        """Return the stresses within the surfaces that are closest to ``stiffness * rates``.
 
-        Closest in elastic energy, ``sum stress^2/(2 stiffness)``.
+        The distance is the elastic energy ``sum stress^2/(2 stiffness)``.
 
         Args:
-            rates: ``(||d||, v)``, shape (m, 1+L), 1/s.
-            stiffness: of each of them, shape (1+L,), Pa s.
+            rates: Rates ``(||d||, v)``, shape (m, 1+L), 1/s.
+            stiffness: Stiffness of each of them, shape (1+L,), Pa s.
         """
         root = np.sqrt(stiffness)
         normals, strengths = self.planes
@@ -295,7 +297,7 @@ class Surfaces(Compact):
 
     @cached_property
     def _lines(self) -> Bools:
-        """Volumetric rows that no surface feels: nothing may flow in them, shape (L,)."""
+        """Volumetric rows that no surface depends on, so that no flow is possible, shape (L,)."""
         return np.asarray(~self.slope.any(axis=(0, 1)))
 
     @cached_property
@@ -311,7 +313,7 @@ class Surfaces(Compact):
 
     @property
     def _bases(self) -> list[tuple[int, ...]]:
-        """Planes that may meet in a point, v of them."""
+        """Sets of planes that may meet in a point; there are v sets."""
         size = 1 + self.volumes - int(self._lines.sum())
         return list(combinations(range(self.count + 1), size))
 
@@ -326,19 +328,19 @@ class Surfaces(Compact):
 
     @cached_property
     def _corners(self) -> tuple[Floats, Bools]:
-        """The same without what is a corner nowhere."""
+        """The same for sets of planes that form a corner at some point."""
         met, real = self._met
         somewhere = real.any(axis=0)
         return met[:, somewhere], real[:, somewhere]
 
     @property
     def _one(self) -> "Surfaces":
-        """Those of the first point."""
+        """Surfaces of the first point."""
         return self.at(np.arange(1))
 
     @property
     def edges(self) -> Floats:
-        """Stresses (q, p) that may grow without end, or zeros: shape (m, e, 1+L)."""
+        """Directions of stresses (q, p) without a bound, or zeros: shape (m, e, 1+L)."""
         return self._edges
 
     @cached_property
@@ -350,10 +352,10 @@ class Surfaces(Compact):
 
 
 def _alike(values: Floats) -> bool:
-    """Whether all of several points have the same, as those of a body of one soil."""
+    """Whether several points all have the same values, as those of a uniform soil."""
     return values.shape[0] > 1 and bool(np.all(values == values[:1]))
 
 
 def _of_all(values: Any, count: int) -> Any:
-    """What one point has, for so many, without copies."""
+    """Return the values of one point for `count` points, without copies."""
     return np.broadcast_to(values, (count, *values.shape[1:]))

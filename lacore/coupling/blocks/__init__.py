@@ -1,1 +1,1 @@
-"""Rigid blocks, in the plane and in space: paths to their states, mechanisms up to a slack."""
+"""Rigid blocks in two and three dimensions: central paths, and slack of mechanisms."""

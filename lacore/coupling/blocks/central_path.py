@@ -1,19 +1,20 @@
-"""Central paths of the Coulomb problem of rigid blocks, followed round their turns (T79).
+"""Central paths of the Coulomb problem of rigid blocks, followed around their turning points (T79).
 
-All equations F of the problem (`lacore.coupling.blocks.complementarity`) but a share theta of what
-they leave at a start that is inside of every bound,
+Let F be the equations of the problem (`lacore.coupling.blocks.complementarity`) and z0 a start
+inside all bounds. The equations
 
     F(z) = theta F(z0),    s p = theta c,   x o y = theta c (1, 0),
 
-have a curve of solutions through the start, at theta = 1, and Coulomb states are where it meets
-theta = 0. The problem is not monotone, and the curve turns back where one mechanism ends
-(`lacore.numerics.curve`). From a start far inside, with powers a thousand times those of the load,
-it turns seldom and leads far; from close to a pair with a small gap it turns at once, and may never
-end. Powers c that differ from point to point lead along other curves, and often to other states;
-where a structure is symmetric curves of equal powers branch, others pass by. On walls of thousands
-of blocks paths are long, but long before its end a place is close enough for K- and S-steps, which
-stall from the associated state. Where they stall from a place, too, but within a factor of ten of
-the bar, others follow from the closest pair (T12b).
+have a curve of solutions through the start, at theta = 1, and Coulomb states are its points at
+theta = 0. The problem is not monotone, so theta increases again where one mechanism ends
+(`lacore.numerics.curve`). A curve that starts far inside, with powers a thousand times those of the
+load, seldom turns. One that starts close to a pair with a small gap turns at once and may never
+end. Powers c that differ between points give other curves, which often end at other states; they
+also avoid the branches that curves of equal powers have in symmetric structures.
+
+Paths of walls with thousands of blocks are long. A place long before the end is then close enough
+for K- and S-steps, which stall from the associated state. If they also stall from there, with a gap
+within ten times the tolerance, further steps start from the closest pair (T12b).
 """
 
 from collections.abc import Iterator
@@ -43,19 +44,19 @@ from lacore.reporting.showing import Compact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution, PreparedSolver
 
-_SPREADS = (0.01, 0.3, 0.3, 0.3)  # logarithmic, of the powers of the paths, one after another
-_INSIDE = 1e3  # powers of the start, of the power that its state turns over
-_END = 0.3  # of the bar: gap at the end
-_MOST, _ALL = 1000, 3000  # factorisations, of one path, and after which no other one begins
+_SPREADS = (0.01, 0.3, 0.3, 0.3)  # logarithmic spreads of the powers of successive paths
+_INSIDE = 1e3  # powers of the start, relative to the power that its state dissipates
+_END = 0.3  # gap at the end, relative to the tolerance
+_MOST, _ALL = 1000, 3000  # factorisations of one path, and those after which none is started
 _LARGE = 5000  # unknowns from which a solve costs as much as dozens of factorisations
-_NEARER = 10.0  # powers of a start whose path is shorter, but may turn more
-_NEARLY = 10.0  # bars: a gap from which steps go on
-_BORNE = 4  # rounds of means without progress, from there
+_NEARER = 10.0  # powers of a closer start, whose path is shorter but may turn more often
+_NEARLY = 10.0  # gap from which steps continue, relative to the tolerance
+_BORNE = 4  # pairs without progress of these steps
 _STOPS = (1e-2, 600), (2e-3, _MOST)  # gaps and factorisations, whichever comes first
 
 
 def central_path(run: Run, static: ProgramState) -> Iterate | None:
-    """The state at the end of a path from the associated one, if need be after K- and S-steps."""
+    """Return the state at the end of a path from the associated state, or after further steps."""
     if not poses(run.program):
         return None
     return _stepped(run, _ends(run, run.iterates[0].inner.point or static))
@@ -95,7 +96,7 @@ def _stops(run: Run, start: ProgramState) -> Iterator[Iterate]:
 
 
 def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
-    """The first of some places that is proven, or from which K- and S-steps lead to a state."""
+    """Return the first place that is proven, or the state that K- and S-steps reach from one."""
     within = _NEARLY * run.options.tolerance
     for found in places:
         point = found.inner.point
@@ -105,7 +106,7 @@ def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
         if closer is not None:
             return closer
         while not run.exhausted and (least := least_gap(run)) <= within:
-            within = FALLS * least  # from the same pair steps lead to the same end
+            within = FALLS * least  # from the same pair steps would reach the same end
             closer = _nearer(run, closest(run, point))
             if closer is not None:
                 return closer
@@ -113,29 +114,29 @@ def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
 
 
 def _nearer(run: Run, static: ProgramState) -> Iterate | None:
-    """From a pair that is nearly proven.
+    """Alternate from a pair that is nearly proven.
 
-    By S-steps' reactions alone its gap falls from step to step until it stays (T12); means of both
-    lead away from there, with gaps that rise before they fall.
+    With the reactions of S-steps alone the gap decreases until it stalls (T12). The mean reactions
+    of both steps then escape from there, with gaps that first increase.
     """
     falling = alternate(run, static, "K", 0, static_alone)
     return falling or alternate(run, closest(run, static), "K", _BORNE, mean)
 
 
 def along_path(run: Run, start: ProgramState, spread: float, rng: np.random.Generator) -> Iterate:
-    """The end of one path, whatever that is worth.
+    """Return the iterate at the end of one path, which need not be proven.
 
     Args:
-        run: of a program that is posed.
-        start: its largest force and velocity are the units.
-        spread: logarithmic, of the powers of the points.
-        rng: of these.
+        run: Run of a program that the path can solve, see `poses`.
+        start: State whose largest force and velocity are the units.
+        spread: Logarithmic spread of the powers of the points.
+        rng: Random numbers for these.
     """
     return run.solve(CENTRAL_PATH, _frozen(run, start), solver=_path(run, start, spread, rng))
 
 
 def _frozen(run: Run, start: ProgramState) -> FrozenContact:
-    """At the start, for the mismatch of the history: a path freezes nothing."""
+    """Freeze the start, for the mismatch in the history; a path itself freezes nothing."""
     return reaction_contact(run.program.contact, np.maximum(start.normal_reaction, 0.0))
 
 
@@ -146,17 +147,17 @@ def _path(run: Run, start: ProgramState, spread: float, rng: np.random.Generator
 
 @dataclass(repr=False)
 class Path(PreparedSolver, Compact):
-    """A path as a solve: its answer is its end, whatever the contact.
+    """A central path in the form of a solver, whose answer is the end of the path.
 
     Attributes:
-        program: that is posed.
-        start: a state of it.
-        shares: of the powers of the points, (m,) > 0.
-        end: sum of the powers, of that of the load, where the path is at its end.
-        time_limit: s, of one solve.
-        inside: powers of the start, of the power that its state turns over.
-        stops: one for each solve, from which the next one goes on: sum of the powers, and
-            factorisations from the start, whichever comes first.
+        program: Program of rigid blocks.
+        start: A state of it.
+        shares: Factors on the powers of the points, shape (m,), > 0.
+        end: Sum of the powers, relative to the power of the load, at which the path ends.
+        time_limit: Time limit of one solve, s.
+        inside: Powers of the start, relative to the power that its state dissipates.
+        stops: Stop of each solve, from which the next solve continues: the sum of the powers and
+            the number of factorisations from the start, whichever is reached first.
     """
 
     program: KinematicProgram
@@ -181,7 +182,7 @@ class Path(PreparedSolver, Compact):
         return followed(self._problem, self._problem.start(self.start, power * self.shares))
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Follow the path; where it is lost, its last place is the point."""
+        """Follow the path to the next stop; the point of the answer is the last place."""
         begin, before = perf_counter(), 0 if self._last is None else self._last.count
         enough, most = self.stops[self._solves]
         self._solves += 1
@@ -206,4 +207,4 @@ class Path(PreparedSolver, Compact):
         return InnerSolution(status, lost or "end", steps, spent, point)
 
     def close(self) -> None:
-        """It holds nothing."""
+        """Do nothing; a path holds no resources."""

@@ -214,9 +214,9 @@ class Complementarity(Compact):
 
 
 class Newton:
-    """The derivative of all equations at a vector, factorised.
+    """Factorised derivative of all equations at a vector.
 
-    Forces, openings and slip are eliminated point by point, what is left is on velocities.
+    Forces, openings and slip are eliminated point by point, so that velocities remain.
     """
 
     def __init__(self, problem: Complementarity, z: Floats) -> None:

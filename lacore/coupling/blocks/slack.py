@@ -1,18 +1,19 @@
-"""Reactions that go with a mechanism in space, up to a slack in the slip law (T14b a, T77).
+"""Reactions of a three-dimensional mechanism, up to a slack in the slip law (T14b a, T77).
 
-In the plane a mechanism has finitely many branches, and so a face of reactions that is exact
-(`lacore.coupling.faces`). In space directions of slip turn continuously, and of a velocity that is
-known to some digits no reactions obey the law exactly and are in equilibrium. All within
+A plane mechanism has finitely many branches and therefore an exact face of reactions
+(`lacore.coupling.faces`). Directions of slip in three dimensions vary continuously: if a velocity
+is known to finite accuracy, no reactions in equilibrium satisfy the law exactly. All reactions with
 
     D(u) + sum w (limit + c t_n) ||u_t|| - Fd.u - alpha <= slack,   t in K, in equilibrium
 
-do up to the slack, which is the gap of the pair (T15). They are convex, and the largest load factor
-is the dual of a kinematic program with one more unknown, theta >= 0, the multiplier of that gap:
+satisfy it up to the slack, which is the gap of the pair (T15). They form a convex set, and the
+largest load factor is the dual of a kinematic program with an additional unknown theta >= 0, the
+multiplier of that gap:
 
     minimise  D(v) + sum w limit ||v_t|| - Fd.v + theta (slack - D(u) - sum w limit ||u_t|| + Fd.u)
     subject to  F0.v - theta = 1,   v_n + theta c ||u_t|| >= (c + d) ||v_t||
 
-So theta says what the slack is worth: without it the end would be nearer by some theta times slack.
+To first order, the slack moves the end outwards by theta times the slack.
 """
 
 from dataclasses import dataclass, replace
@@ -32,17 +33,17 @@ from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.solvers.inner.own_unknown import with_own_unknown
 
-_SHARE = 0.9  # of the bar: what is left is for round-off and equilibrium
+_SHARE = 0.9  # of the tolerance; the rest allows for round-off and unbalanced forces
 
 
 @dataclass(frozen=True, repr=False)
 class Slack(Compact):
-    """The program of the largest or the smallest load factor of a mechanism, up to a slack.
+    """Program of the largest or the smallest load factor of a mechanism, up to a slack.
 
     Attributes:
-        original, point: the program of the state, and the state.
-        program, contact: what to solve.
-        gap: the slack, a power.
+        original, point: Program of the state, and the state.
+        program, contact: Program and contact to solve.
+        gap: Slack, a power.
     """
 
     original: KinematicProgram
@@ -55,13 +56,13 @@ class Slack(Compact):
     def of(
         cls, program: KinematicProgram, point: ProgramState, sign: float, tolerance: float
     ) -> "Slack":
-        """Of a mechanism, with a gap that a certificate with a bar lets pass.
+        """Return the program of a mechanism, with a slack that passes the certificate.
 
         Args:
-            program: of rigid blocks, in any units.
-            point: a certified state of it.
+            program: Program of rigid blocks, in any units.
+            point: A certified state of it.
             sign: +1 for the largest load factor, -1 for the smallest.
-            tolerance: the bar.
+            tolerance: Tolerance of the certificate.
         """
         u, rows = point.velocity, program.contact
         gap = _SHARE * tolerance * kinematic_power(program, point)
@@ -78,7 +79,7 @@ class Slack(Compact):
         return cls(program, point, solved, associated_contact(solved.contact), gap)
 
     def state(self, dual: ProgramState, load_factor: float) -> ProgramState:
-        """The mechanism with the stresses and reactions of a solution of the program."""
+        """Return the mechanism with the stresses and reactions of a solution of the program."""
         return replace(
             dual,
             velocity=self.point.velocity,
@@ -87,13 +88,13 @@ class Slack(Compact):
             tangential_reaction=dual.tangential_reaction[:-1],
         )
 
-    def worth(self, dual: ProgramState) -> float:
-        """By how much a solution would be nearer without the slack, to first order."""
+    def widening(self, dual: ProgramState) -> float:
+        """Return how far the slack moves the end outwards, to first order."""
         return float(max(dual.velocity[-1], 0.0)) * self.gap
 
 
 def _with_theta(rows: ContactRows, slip: Floats) -> ContactRows:
-    """Contact points that theta opens by a speed each, and one more, without friction, theta."""
+    """Return contact points that theta opens, and an additional frictionless point for theta."""
     n, points = rows.normal.shape[1], np.arange(rows.count)
     theta = csr_matrix((slip, (points, np.full(rows.count, n - 1))), (rows.count, n))
     alone = csr_matrix(([1.0], ([0], [n - 1])), (1, n))

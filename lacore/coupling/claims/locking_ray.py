@@ -1,10 +1,10 @@
-"""Whether a load is locked: reactions that carry it alone, with no strength called on (T13).
+"""Prove that a load is locked, by reactions that carry it without using any strength (T13).
 
-``F0 . u <= 0`` for every admissible velocity u if and only if F0 is balanced by normal forces,
-forces of points that stick, mean stresses of incompressible bodies, and stresses of soil that may
-grow without end, pressed all around (Farkas). Such reactions may
-be multiplied by any number: the load factor is +inf. They are looked for by a linear program and
-recomputed here; near misses, an incline of 1e-9, are none: what is left must be round-off.
+``F0 . u <= 0`` holds for every admissible velocity u if and only if F0 is balanced by normal
+forces, forces of points that stick, mean stresses of incompressible bodies, and stresses of soil
+that may grow without bound under pressure (Farkas). Such reactions may be multiplied by any number,
+so the load factor is +inf. A linear program finds them, and their residuals are recomputed here.
+They must be round-off, because reactions on an incline of 1e-9 prove nothing.
 """
 
 from dataclasses import dataclass, replace
@@ -22,25 +22,25 @@ from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicP
 from lacore.program.state import ProgramState, out_of_balance
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-12  # of all forces on a part: sums of a thousand terms in double precision
+_ROUND_OFF = 1e-12  # of all forces on a part, for sums of a thousand terms in double precision
 _SWEEPS = 2000
-_CARRIES = 1e-9  # of the largest multiplier: smaller ones are the linear program's tolerance
+_CARRIES = 1e-9  # of the largest multiplier; smaller ones are noise of the linear program
 
 
 @dataclass(frozen=True, repr=False)
 class LockingRay(Compact):
-    """Why a load is locked: stresses and reactions that carry it alone, times any number (T13).
+    """Proof that a load is locked: stresses and reactions that carry any multiple of it (T13).
 
     Attributes:
-        residual: largest nodal force that they leave of the reference load, without dead loads, per
-            sum of the sizes of the forces on its part.
-        beyond: largest share by which they exceed what may grow without end: cones of friction and
-            of dilation without any strength, as `Certificate.yield_violation` and `.cone`.
-        release: power that shifts of contact points allow, as a load factor: it is +inf only where
-            this is below 1 per unit of ``F0.u``.
-        point: the stresses and reactions at the load factor 1, Pa, where none moves. With
-            ``dataclasses.replace(state, point=state.ray.point)`` `effective_stress` and `reactions`
-            show them as those of any state; of a lower bound, too.
+        residual: Largest unbalanced nodal force of the reference load, without dead loads, relative
+            to the sum of the sizes of the forces on its part.
+        beyond: Largest violation of the cones of friction and dilation without any strength, as in
+            `Certificate.yield_violation` and `Certificate.cone`.
+        release: Power that shifts of contact points allow, as a load factor. The load factor is
+            +inf only if this is below 1 per unit of ``F0.u``.
+        point: Stresses and reactions at the load factor 1, Pa, with zero velocity.
+            ``dataclasses.replace(state, point=state.ray.point)`` shows them in `effective_stress`
+            and `reactions`, for a lower bound as well.
     """
 
     residual: float
@@ -50,7 +50,7 @@ class LockingRay(Compact):
 
     @property
     def proves(self) -> bool:
-        """Whether no admissible velocity feels the load; false for NaN."""
+        """Whether the load has no power at any admissible velocity; false for NaN."""
         inside = self.residual <= _ROUND_OFF and self.beyond <= _ROUND_OFF
         return inside and self.release < 1 - _CARRIES
 
@@ -62,9 +62,10 @@ class LockingRay(Compact):
 
 
 def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay | None:
-    """The reactions that come closest to carrying ``F0`` alone; None where none are found.
+    """Return the reactions that come closest to carrying ``F0`` alone; None if none are found.
 
-    In space of friction that dilates some directions of all: what they prove is proven.
+    For dilatant friction in three dimensions some directions represent all, which is safe: the
+    reactions found are admissible.
     """
     rows = program.contact
     ways = _ways(contact, rows.tangent_dim)
@@ -117,7 +118,7 @@ def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay
 def _judged(
     program: KinematicProgram, contact: FrozenContact, point: ProgramState, sizes: Floats
 ) -> LockingRay:
-    """The ray with its residuals, recomputed; sizes of the forces on each unknown, shape (n,)."""
+    """Return a ray with recomputed residuals; `sizes` of the forces on each unknown, shape (n,)."""
     bare = replace(
         program,
         groups=tuple(group.times(0.0) for group in program.groups),
@@ -137,7 +138,7 @@ def _judged(
 
 
 def _ways(contact: FrozenContact, dim: int) -> Floats:
-    """Directions of slip, shape (k, dim): both in the plane; one in space where none dilates."""
+    """Return directions of slip, shape (k, dim): both in two dimensions; one if none dilates."""
     if dim == 1:
         return np.array([[1.0], [-1.0]])
     return _directions(dim) if np.any(contact.dilatancy) else np.zeros((1, dim))
@@ -145,11 +146,11 @@ def _ways(contact: FrozenContact, dim: int) -> Floats:
 
 @dataclass(frozen=True)
 class _Endless:
-    """Stresses of a group that may grow without end, a row each.
+    """Stresses of a group that may grow without bound, one per row.
 
     Attributes:
-        rows: less their power, shape (k, n): no possible flow makes it negative.
-        shear, mean: the stresses times weights, shapes (k, m dim) and (k, m L).
+        rows: Negative power of the stresses, shape (k, n), which is >= 0 for all possible flow.
+        shear, mean: Stresses times weights, shapes (k, m dim) and (k, m L).
     """
 
     rows: Sparse
@@ -158,9 +159,9 @@ class _Endless:
 
 
 def _endless(group: DissipationGroup) -> _Endless:
-    """Along the edges of surfaces (T48); none of what keeps its volume.
+    """Return the stresses along the edges of yield surfaces (T48); none for incompressible groups.
 
-    Of shear some directions of all: what they prove is proven.
+    Some directions of shear represent all, which is safe: the stresses are admissible.
     """
     dim, volumes, count = group.dim, group.volumes, group.weights.size
     shears = [csr_matrix((0, count * dim))]
@@ -178,13 +179,13 @@ def _endless(group: DissipationGroup) -> _Endless:
 
 
 def _of_points(share: Floats, count: int, dim: int) -> Sparse:
-    """Sums of the `dim` rows of each point by shares of shape (count, dim): (count, count dim)."""
+    """Return the matrix that sums `dim` rows of each point by shares, shape (count, count dim)."""
     starts = dim * np.arange(count + 1)
     return csr_matrix((share.ravel(), np.arange(count * dim), starts), (count, count * dim))
 
 
 def _directions(dim: int) -> Floats:
-    """Unit vectors all around, shape (k, dim): of a plane every 22.5 degrees."""
+    """Return unit vectors in all directions, shape (k, dim); in a plane every 22.5 degrees."""
     if dim == 2:
         angle = np.arange(16) * pi / 8
         return np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -194,7 +195,7 @@ def _directions(dim: int) -> Floats:
 
 
 def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:
-    """Multipliers, of `pressing` >= 0, that leave the least of a load; None where none is found."""
+    """Return multipliers, >= 0 for `pressing`, with the least residual; None if none are found."""
     count, n = pressing.shape
     forces = csr_matrix(vstack([pressing, free])).T
     free_ones = forces.shape[1] - count
