@@ -145,6 +145,18 @@ def test_a_smooth_footing_slides_on_chords_that_replace_an_arc():
     assert not asked(15.0, where="end")  # one straight edge
 
 
+def test_curved_edges_and_faces_in_space_have_no_chords():
+    flat = la.meshes.quadrilaterals((1, 2), (0, 1), 1, 2)
+    mesh = la.meshes.isoparametric(
+        flat, lambda x: x[0] * np.stack([np.cos(x[1] * np.pi / 2), np.sin(x[1] * np.pi / 2)])
+    )
+    pile = la.RigidFooting("ring", "left", (1, 0), rough=False)
+    assert not slides_on_chords(pile, la.Body(mesh, K, space="q2", geometry="approximated"))
+    cube = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    plate = la.RigidFooting("cube", lambda x: x[2] == 1, (0, 0, -1), rough=False)
+    assert not slides_on_chords(plate, la.Body(cube, K, kinematics="3d", space="p2-disc"))
+
+
 def crushing_block(strength, weight):
     """A cube on a fixed one; the joint between them crushes at a strength."""
     cubes = {name: box((0, 0, z), (1, 1, z + 1)) for name, z in (("base", -1.0), ("block", 0.0))}

@@ -123,3 +123,39 @@ def test_pressures_in_the_pores_are_those_of_bodies_that_have_pores():
         dead_loads=[la.PorePressure("soil", 1.0)],
     )
     assert pore_pressures(dry, np.nan)["soil"] == pytest.approx(1.0)  # an unknown load factor
+
+
+@pytest.mark.parametrize(("bend", "corners"), [(1e-3, 2), (1e-6, 0)])
+def test_a_boundary_that_turns_by_a_thousandth_has_a_corner(bend, corners):
+    """Either edge has a point there; a millionth is round-off of coordinates."""
+    flat = la.meshes.rectangle((0, 2), (0, 1), 2, 1)
+    x, y = flat.p
+    down = bend * np.maximum(x - 1, 0.0) * (1 - y)
+    mesh = type(flat)(np.stack([x, y - down]), flat.t)
+    mesh = mesh.with_boundaries({name: own.copy() for name, own in flat.boundaries.items()})
+    problem = la.Problem(
+        {"block": la.Body(mesh, CRITERION)},
+        [la.Traction("block", "top", (1, 0))],
+        interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle(), 0.3)],
+        dead_loads=[la.Pressure("block", "top", 1.0)],
+    )
+    assert discretise(problem).shared_corners.sum() == corners
+
+
+@pytest.mark.parametrize(("along", "accepted"), [(1e-7, False), (1e-12, True)])
+def test_a_load_acts_along_a_bond_by_more_than_round_off(along, accepted):
+    """Across the seam it does not matter which side it acts on."""
+    below = la.Body(la.meshes.rectangle((0, 1), (-1, 0), 4, 2), CRITERION)
+    stated = on_obstacles(0.0, bottom=la.BOND)
+    problem = replace(
+        stated,
+        bodies={**stated.bodies, "below": below},
+        interfaces=[la.Interface(("block", "bottom"), ("below", "top"), la.BOND)],
+        supports=[la.Fix("below", "bottom")],
+        dead_loads=[la.Traction("block", "bottom", (along, 1))],
+    )
+    if accepted:
+        discretise(problem)
+        return
+    with pytest.raises(la.InputError, match="on which side of the slip surface"):
+        discretise(problem)
