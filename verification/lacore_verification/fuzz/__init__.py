@@ -1,6 +1,6 @@
-"""Random small problems, each judged by checks that share no code with solvers or certificates.
+"""Random small problems, each checked by code independent of solvers and certificates.
 
-A problem is a recipe first: plain data, a pure function of seed, class and number. Copies that must
-have a load that is known from the first (moved, turned, rescaled, renamed), smaller ones that are
-still wrong, and what is stored are recipes, too.
+A problem is first a recipe: plain data, a pure function of seed, class and number. Copies with a
+known load (moved, rotated, rescaled, renamed), reduced failing problems and stored ones are
+recipes, too.
 """

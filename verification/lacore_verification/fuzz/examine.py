@@ -1,4 +1,4 @@
-"""One random problem, judged: its answer, other problems that it must agree with, its programs."""
+"""Examination of one random problem: its result, related problems, and linear programs."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -21,13 +21,13 @@ from lacore_verification.fuzz.solving import FREE, RecipeResult, SolveSettings, 
 
 _LINEAR = ("blocks", "frame")
 _LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"
-"""Second opinions, by name: a problem that is drawn again elsewhere is judged alike there."""
+"""Names of alternative solvers, fixed so that results are reproducible elsewhere."""
 _EXTRAS = 2
 """Comparisons drawn for each problem, in addition to those that all have."""
 
 
 def examine(recipe: Recipe, rng: Rng) -> Judgement:
-    """Solve a recipe and judge it; `rng` draws what it is compared with."""
+    """Solve a recipe and check it; `rng` draws the comparisons."""
     if "path" in recipe:
         made = examine_path(recipe, rng)
         return Judgement(made.status, made.load_factor, "", made.message, True, wrong=made.wrong)
@@ -51,7 +51,7 @@ def examine(recipe: Recipe, rng: Rng) -> Judgement:
 
 
 class Examination:
-    """What is found out about a recipe, one comparison after the other."""
+    """Results about a recipe, by one comparison after the other."""
 
     def __init__(self, recipe: Recipe, base: RecipeResult, known: Known, rng: Rng) -> None:
         self._recipe, self._base, self._known, self._rng = recipe, base, known, rng
@@ -62,7 +62,7 @@ class Examination:
 
     @property
     def has_load(self) -> bool | None:
-        """By the programs of blocks, or because a state of it, or of it made associated, is one."""
+        """Return whether there is a load factor, by programs of blocks or by a state."""
         if self._known.has_load is not None:
             return self._known.has_load
         if self._solvable:
@@ -71,11 +71,11 @@ class Examination:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of every Coulomb load factor."""
+        """Return bounds of every Coulomb load factor."""
         return self._low, self._high
 
     def wrong(self) -> Iterator[Wrong]:
-        """What is wrong, the simplest first."""
+        """Yield failures, the simplest first."""
         if self._base.wrong is not None:
             yield self._base.wrong
         yield from self._against_programs()
@@ -94,7 +94,7 @@ class Examination:
             yield from further[int(place)]()
 
     def _against_programs(self) -> Iterator[Wrong]:
-        """Numbers and words beside the independent linear programs."""
+        """Yield results that contradict the independent linear programs."""
         known, base = self._known, self._base
         if isnan(known.highest):
             return
@@ -117,7 +117,7 @@ class Examination:
             yield Wrong(f"below: {who}", f"{value:.9g} is below {low:.9g}")
 
     def _against_associated(self) -> Iterator[Wrong]:
-        """With friction made associated no load factor is smaller."""
+        """Yield a failure if associated friction gives a smaller load factor."""
         if not self._coulomb:
             return
         other = answer(with_law(self._recipe, "associated"), self._rng)
@@ -144,11 +144,11 @@ class Examination:
             )
 
     def _frictionless(self) -> Iterator[Wrong]:
-        """Without friction no load factor is larger; with more of it none is smaller.
+        """Yield a failure if the load factor is larger without friction, or smaller with more.
 
-        Of blocks with stick. A body where stick meets a footing slips at its strength, and there
-        only (`lacore.assembly.sticking`): its discrete value may be below that of friction, not its
-        bounds.
+        For blocks this includes stick. A body where stick meets a footing slips at its strength,
+        and there only (`lacore.assembly.sticking`): its discrete value may be below that of
+        friction, not its bounds.
         """
         if not self._coulomb:
             return
@@ -169,7 +169,7 @@ class Examination:
             )
 
     def _copy(self) -> Iterator[Wrong]:
-        """Moved, rescaled, renamed, it carries the same."""
+        """Yield a failure if a moved, rescaled or renamed copy has another load factor."""
         name = list(COPIES)[int(self._rng.integers(len(COPIES)))]
         other = answer(COPIES[name](self._recipe, self._rng), self._rng)
         if other.status == "refused":
@@ -177,14 +177,14 @@ class Examination:
         yield from self._same(other, name)
 
     def _other_backend(self) -> Iterator[Wrong]:
-        """Another solver finds the same, or another Coulomb state."""
+        """Yield a failure if another solver finds another result, and no other Coulomb state."""
         kinds = [body["kind"] for body in self._recipe["bodies"].values()]
         if all(kind in _LINEAR for kind in kinds):
             other = answer(self._recipe, self._rng, SolveSettings(_LINEAR_SOLVER))
             if other.status != "refused":
                 yield from self._same(other, _LINEAR_SOLVER)
             return
-        # Of continua the associated value, which is one number, and the stresses of its state.
+        # # For continua the associated value, which is unique, and the stresses of its state.
         wanted = self._high if self._coulomb else self._base.load_factor
         other = answer(
             with_law(self._recipe, "associated"), self._rng, SolveSettings(_CONIC_SOLVER)
@@ -198,13 +198,13 @@ class Examination:
             yield Wrong(f"word {other.status}", f"said by {_CONIC_SOLVER}: {wanted:.6g}")
 
     def _interval(self) -> Iterator[Wrong]:
-        """The load factor lies in the interval of its own mechanism."""
+        """Yield a failure if the load factor is outside the interval of its own mechanism."""
         state = self._base.state
         if not self._base.solved or state is None:
             return
         try:
             found = state.interval()
-        except Exception as error:  # a certified state has one
+        except Exception as error:  # # A certified state must have one.
             yield Wrong("exception", told(error))
             return
         if not found.low <= self._base.load_factor <= found.high:
@@ -212,7 +212,7 @@ class Examination:
             yield Wrong("interval", text)
 
     def _same(self, other: RecipeResult, name: str) -> Iterator[Wrong]:
-        """Whether an answer to the same question is the same."""
+        """Yield a failure if two results of the same problem differ."""
         base = self._base
         if other.wrong is not None:
             yield replace(other.wrong, check=f"{name}, {other.wrong.check}")
@@ -234,7 +234,7 @@ class Examination:
                 yield Wrong(f"word {one.status}", f"{who}: {two.load_factor:.6g}")
 
     def _is_nothing(self, word: RecipeResult, solved: RecipeResult) -> bool:
-        """FREE is a load factor of zero."""
+        """Return whether FREE agrees with a load factor of zero."""
         return word.status == FREE.label and abs(solved.load_factor) <= BAR * self._scale
 
     def _low_or(self, other: float) -> float:
@@ -244,12 +244,12 @@ class Examination:
         return other if isnan(self._high) else self._high
 
     def _bounds(self) -> Iterator[Wrong]:
-        """Equilibrium elements carry no more than what velocities allow."""
+        """Yield a failure if equilibrium elements carry more than velocities allow."""
         if not self._coulomb and self._deformable:
             yield from wrong_bounds(self._base, self._scale)
 
     def _safety(self) -> Iterator[Wrong]:
-        """Problems weakened by a safety factor are at collapse."""
+        """Yield a failure if problems weakened by a safety factor are not at collapse."""
         if self._deformable and (self._base.solved or self._base.word):
             yield from wrong_safety(self._recipe, self._rng)
 
@@ -259,7 +259,7 @@ class Examination:
         return any(body["kind"] == "continuum" for body in self._recipe["bodies"].values())
 
     def _footing(self) -> Iterator[Wrong]:
-        """A rough footing carries no less than a smooth one."""
+        """Yield a failure if a rough footing carries less than a smooth one."""
         other = copied(self._recipe)
         footings = [load for load in other["reference"] if load["load"] == "RigidFooting"]
         if self._coulomb or not footings or not self._base.solved:
@@ -275,7 +275,7 @@ class Examination:
             yield from self._between(self._base.load_factor, low, high, "footing")
 
     def _derivatives(self) -> Iterator[Wrong]:
-        """Derivatives agree with solves at neighbouring values, on both sides."""
+        """Yield a failure if derivatives differ from solves at neighbouring values."""
         problem, state = self._base.problem, self._base.state
         if self._coulomb or not self._base.solved or problem is None or state is None:
             return
@@ -283,7 +283,7 @@ class Examination:
             yield from wrong_derivatives(problem, state, self._rng)
 
     def _monotony(self) -> Iterator[Wrong]:
-        """Stronger bodies carry no less."""
+        """Yield a failure if stronger bodies carry less."""
         bodies: Any = self._recipe["bodies"].values()
         if self._coulomb or not self._base.solved or all(b["kind"] == "blocks" for b in bodies):
             return

@@ -1,4 +1,4 @@
-"""Solving recipes so that whatever happens is an answer, or a thing that is wrong."""
+"""Solving of recipes, with any event as a result or a failure."""
 
 import traceback
 from collections.abc import Mapping
@@ -13,18 +13,18 @@ from lacore_verification.fuzz.drawn.recipe import Recipe, build
 
 SOLVED, FREE = la.Status.SOLVED, la.Status.FREE
 WORDS = (la.Status.LOCKED, la.Status.UNSAFE, FREE)
-"""Statuses that say something of the problem; the others say that nothing was found."""
+"""Statuses that describe the problem; the others mean that nothing was found."""
 
 
 @dataclass(frozen=True)
 class RecipeResult:
-    """What became of a recipe.
+    """Result of a recipe.
 
     Attributes:
         status: label, or ``refused`` or ``exception``.
-        state, problem: None where there are none.
+        state, problem: None if there are none.
         scale: of a solved state.
-        wrong: what the checks of the state say.
+        wrong: failure of the checks of the state.
         text: message.
     """
 
@@ -42,7 +42,7 @@ class RecipeResult:
 
     @property
     def word(self) -> bool:
-        """Whether it is claimed that there is none."""
+        """Return whether it claims that there is no load factor."""
         return self.status in [word.label for word in WORDS]
 
     @property
@@ -53,7 +53,7 @@ class RecipeResult:
 
 @dataclass(frozen=True)
 class SolveSettings:
-    """How a recipe is to be solved: as `la.solve` takes it, but for the problem."""
+    """Arguments of `la.solve`, except the problem."""
 
     backend: str = "clarabel"
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -69,20 +69,20 @@ def answer(
         state = la.solve(problem, asked.backend, **asked.settings)
     except LacoreError as error:
         return RecipeResult("refused", text=str(error))
-    except Exception as error:  # anything else is a find
+    except Exception as error:  # # Any other error is a failure.
         return RecipeResult("exception", wrong=Wrong("exception", told(error)), text=told(error))
     if state.status is not SOLVED:
         return RecipeResult(state.status.label, state, problem, text=state.message)
     try:
         scale = scale_of(recipe, problem, state)
         wrong = first(check_state(recipe, problem, state, rng)) if checked else None
-    except Exception as error:  # tables that cannot be read are a find, too
+    except Exception as error:  # # Unreadable tables are failures, too.
         return RecipeResult("exception", state, problem, wrong=Wrong("exception", told(error)))
     return RecipeResult(state.status.label, state, problem, scale, wrong, state.message)
 
 
 def told(error: Exception) -> str:
-    """An exception and where it comes from."""
+    """Return an exception and its origin."""
     last = traceback.extract_tb(error.__traceback__)[-1]
     place = last.filename.rsplit("/", 2)[-2:]
     return f"{type(error).__name__}: {error} ({'/'.join(place)}:{last.lineno})"

@@ -1,1 +1,1 @@
-"""What must hold of a state, by code that shares nothing with the solver."""
+"""Checks of a state by code that is independent of the solver."""

@@ -1,9 +1,9 @@
-"""Static programs of assemblies, from polygons: joints found, balance written, nothing of lacore.
+"""Static programs of assemblies from polygons: joints and balance, independent of lacore.
 
-Unknown are the forces at the ends of joints, and alpha. With friction made associated the largest
-alpha bounds every Coulomb one from above, without friction from below (T14). Where the first is
-finite a Coulomb state exists: of the two maps of the alternating loop (T12), both of linear
-programs, the composed one has a fixed point (Kakutani).
+Unknowns are the forces at the ends of joints, and alpha. With associated friction the largest alpha
+bounds every Coulomb one from above, without friction from below (T14). Where the first is finite a
+Coulomb state exists: of the two maps of the alternating loop (T12), both of linear programs, the
+composed one has a fixed point (Kakutani).
 """
 
 from dataclasses import dataclass
@@ -18,16 +18,16 @@ from lacore_verification.fuzz.checks.rigid_checks import Blocks, rigid_blocks
 from lacore_verification.fuzz.drawn.recipe import Recipe
 from lacore_verification.fuzz.drawn.touches import law_terms
 
-_FLAT = 1e-7  # of the size of blocks: edges that face each other agree to this
+_FLAT = 1e-7  # # Relative to the size of blocks, tolerance for edges that coincide.
 
 
 @dataclass(frozen=True)
 class Known:
-    """What the programs say of an assembly.
+    """Bounds on the load factor of an assembly by the programs.
 
     Attributes:
-        lowest: without friction: no Coulomb load factor is below; -inf where nothing stands.
-        highest: with associated friction: none is above; +inf, or -inf where nothing stands.
+        lowest: without friction: no Coulomb load factor is below; -inf if it cannot stand.
+        highest: with associated friction: none is above; +inf, or -inf if it cannot stand.
         locked: whether the reference load alone is carried without friction, whatever its size.
     """
 
@@ -37,7 +37,10 @@ class Known:
 
     @property
     def has_load(self) -> bool | None:
-        """Whether there is a Coulomb load factor; None where these programs do not tell."""
+        """Return whether there is a Coulomb load factor.
+
+        None if these programs do not determine it.
+        """
         if isnan(self.highest):
             return None
         if self.highest == -inf or self.locked:
@@ -47,7 +50,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Ends:
-    """Ends of joints, (m, 2) each, block numbers, laws (m, 3), and lengths each stands for."""
+    """Ends of joints, (m, 2) each, with block numbers, laws (m, 3) and tributary lengths."""
 
     place: Floats
     normal: Floats
@@ -58,7 +61,7 @@ class Ends:
 
 
 def known_of(recipe: Recipe) -> Known:
-    """The programs of a recipe of one assembly, without interfaces."""
+    """Return bounds for a recipe of one assembly, without interfaces."""
     (_, data), *others = recipe["bodies"].items()
     if others or recipe["interfaces"] or data["kind"] != "blocks":
         return Known()
@@ -70,7 +73,7 @@ def known_of(recipe: Recipe) -> Known:
 
 
 def joints_of(data: Recipe) -> Ends:
-    """Ends of the parts that edges of two polygons share."""
+    """Return the ends of the segments shared by edges of two polygons."""
     polygons = {name: np.array(p, dtype=float) for name, p in data["polygons"].items()}
     numbers = {name: number for number, name in enumerate(polygons)}
     own = {frozenset(pair): law for *pair, law in data["joints"]}
@@ -86,13 +89,13 @@ def joints_of(data: Recipe) -> Ends:
 
 
 def _turned(polygon: Floats) -> Floats:
-    """Anticlockwise."""
+    """Return a polygon in anticlockwise order."""
     (x, y), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
     return polygon if (x * y1 - x1 * y).sum() > 0 else polygon[::-1]
 
 
 def _shared(one: Floats, other: Floats) -> list[tuple[Floats, Floats, Floats]]:
-    """Segments along which two polygons touch, with the normal from the first to the second."""
+    """Return segments along which two polygons touch, with normals from the first to the second."""
     found = []
     size = max(np.ptp(one, axis=0).max(), np.ptp(other, axis=0).max())
     small = min(np.ptp(one, axis=0).max(), np.ptp(other, axis=0).max())
@@ -106,14 +109,15 @@ def _shared(one: Floats, other: Floats) -> list[tuple[Floats, Floats, Floats]]:
                 continue
             away = np.abs([(c - a) @ normal, (d - a) @ normal])
             low, high = max(0.0, (d - a) @ along), min(length, (c - a) @ along)
-            # Where long edges leave a small one, what counts is how far they are apart there.
+            # # Where long edges extend beyond a small one, their distance along the small one
+            # counts.
             if high - low > 10 * near and away.max() <= near + _FLAT * np.linalg.norm(d - c):
                 found.append((a + low * along, a + high * along, normal))
     return found
 
 
 def _columns(blocks: Blocks, ends: Ends, force: Floats) -> Floats:
-    """What forces (m, 2) on slaves, one a column, do to the balance of the free blocks."""
+    """Return the effect of forces (m, 2) on slaves, one per column, on the balance."""
     m = len(force)
     rows = np.zeros((len(blocks.parts), 3, m))
     column = np.arange(m)
@@ -126,9 +130,10 @@ def _columns(blocks: Blocks, ends: Ends, force: Floats) -> Floats:
 
 
 def _program(blocks: Blocks, ends: Ends, friction: bool, dead: bool) -> Program:
-    """Balance with forces along the edges of each friction cone, or within Tresca's limits.
+    """Return the balance with forces along the edges of friction cones, or within Tresca's limits.
 
-    Without `friction` Coulomb's is left out; without `dead` loads, and limits, a ray is sought.
+    Without `friction` Coulomb's friction is omitted; without `dead` loads and limits, a ray is
+    sought.
     """
     tangent = np.stack([-ends.normal[:, 1], ends.normal[:, 0]], axis=1)
     mu, limit, dilatancy = ends.law.T
@@ -152,7 +157,7 @@ def _program(blocks: Blocks, ends: Ends, friction: bool, dead: bool) -> Program:
 
 
 def _scaled(program: Program) -> Program:
-    """In units in which the loads are of order one."""
+    """Return a program in units in which the loads are of order one."""
     size = float(np.abs(program.right).max(initial=0.0))
     if size == 0:
         return program
@@ -172,6 +177,6 @@ def _carried_alone(blocks: Blocks, ends: Ends) -> bool | None:
     """Whether forces without friction carry the reference load alone."""
     program = _program(blocks, ends, friction=False, dead=False)
     high = program.high.copy()
-    high[-1] = 1.0  # a ray of length one
+    high[-1] = 1.0  # # Bounds the ray to length one.
     value = maximum(Program(program.cost, program.matrix, program.right, program.low, high)).value
     return None if isnan(value) else bool(value > 0.5)

@@ -1,4 +1,4 @@
-"""Strict bounds of one problem against each other, and safety factors against weakened problems."""
+"""Strict bounds of a problem compared with each other, and checks of safety factors."""
 
 from collections.abc import Callable, Iterator
 from math import inf, isfinite, isnan, nan
@@ -11,7 +11,7 @@ from lacore_verification.fuzz.drawn.draw import Rng
 from lacore_verification.fuzz.drawn.recipe import Recipe, build
 from lacore_verification.fuzz.solving import RecipeResult, answer
 
-_TOLERANCE = 0.02  # of safety factors
+_TOLERANCE = 0.02  # # Relative tolerance of safety factors.
 _REFUSALS = (la.InputError, la.CapabilityError)
 
 
@@ -19,8 +19,8 @@ def wrong_bounds(base: RecipeResult, scale: float) -> Iterator[Wrong]:
     """Compare the lower bound, the upper bound and the load factor of a problem without Coulomb.
 
     Args:
-        base: Of the problem.
-        scale: What its state dissipates, in units of load factors.
+        base: result of the problem.
+        scale: dissipation of its state, in units of load factors.
     """
     problem, state = base.problem, base.state
     if problem is None or state is None:
@@ -33,12 +33,12 @@ def wrong_bounds(base: RecipeResult, scale: float) -> Iterator[Wrong]:
         above["the load factor"] = base.load_factor
     for name, value in above.items():
         room = BAR * (scale + abs(value))
-        if value < lower - room:  # never of NaN
+        if value < lower - room:  # # False for NaN.
             yield Wrong("bounds", f"{name} {value:.9g} is below the lower bound {lower:.9g}")
 
 
 def _bound(compute: Callable[[la.Problem], Any], problem: la.Problem) -> float:
-    """A strict bound; NaN where there is none."""
+    """Return a strict bound; NaN if there is none."""
     try:
         found = compute(problem)
     except _REFUSALS:
@@ -77,7 +77,7 @@ def wrong_safety(recipe: Recipe, rng: Rng) -> Iterator[Wrong]:
 
 
 def _safety(recipe: Recipe, interfaces: bool) -> la.SafetyFactor | None:
-    """A safety factor; None where it is refused."""
+    """Return a safety factor; None where it is refused."""
     try:
         return la.safety_factor(build(recipe), interfaces=interfaces, tolerance=_TOLERANCE)
     except _REFUSALS:

@@ -1,4 +1,4 @@
-"""Derivatives of load factors compared with differences of solves on both sides of a value."""
+"""Derivatives of load factors compared with finite differences of solves."""
 
 from collections.abc import Iterator
 
@@ -8,14 +8,15 @@ from lacore.analyses.parameters import parameters_of
 from lacore_verification.fuzz.checks.verdict import Wrong
 from lacore_verification.fuzz.drawn.draw import Rng
 
-_STEP = 1e-4  # of the size of a number
-_FORCE = 0.02  # of the largest of the elasticities compared, or of 1: curvature, and kinks nearby
+_STEP = 1e-4  # # Relative step of a number.
+# # Relative to the largest elasticity compared, or to 1: curvature, and kinks nearby.
+_FORCE = 0.02
 
 
 def wrong_derivatives(problem: la.Problem, state: la.LimitState, rng: Rng) -> Iterator[Wrong]:
-    """Whether one derivative, drawn from all, agrees with solves at neighbouring values.
+    """Yield a failure if a random derivative differs from finite differences.
 
-    Only where the solves on one side lie on a line: a kink may lie next to any number.
+    Only where the solves on one side lie on a line: a kink may be near any number.
     """
     parameters = parameters_of(problem)
     if not parameters or not state.load_factor:
@@ -49,5 +50,5 @@ def wrong_derivatives(problem: la.Problem, state: la.LimitState, rng: Rng) -> It
 
 
 def is_smooth(problem: la.Problem) -> bool:
-    """Whether all of a problem is a linear program: its solves are good to many digits."""
+    """Return whether the problem is a linear program, with accurate solves."""
     return not any(isinstance(body, la.Body) for body in problem.bodies.values())

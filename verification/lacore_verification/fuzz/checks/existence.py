@@ -1,6 +1,6 @@
-"""Whether blocks on a body that may yield have a load factor, where no answer says so.
+"""Whether blocks on a deformable body have a load factor, where no result decides it.
 
-A body without any yielding lets blocks move in fewer ways: where that bounds the load, so does the
+A body without plastic flow lets blocks move in fewer ways: where that bounds the load, so does the
 real one. A weaker one carries less: what it carries in equilibrium, the real one carries, too.
 """
 
@@ -16,9 +16,10 @@ _WEAKER = (0.1, 0.01, 1e-3)
 
 
 def carries(recipe: Recipe, rng: Rng) -> bool | None:
-    """Whether there is a Coulomb load factor; None where this does not tell.
+    """Return whether there is a Coulomb load factor; None if this does not determine it.
 
-    As of `lacore fuzz` everywhere: a finite load with associated friction is one with Coulomb's.
+    As everywhere in `lacore fuzz`, a finite load with associated friction implies one with
+    Coulomb's.
     """
     rigid = _of_blocks_only(recipe)
     if rigid is None:
@@ -40,7 +41,7 @@ def carries(recipe: Recipe, rng: Rng) -> bool | None:
 
 
 def _of_blocks_only(recipe: Recipe) -> Recipe | None:
-    """The recipe with its one continuum as a block at rest; None of other recipes."""
+    """Return the recipe with its one continuum as a fixed block; None for other recipes."""
     kinds = {name: body["kind"] for name, body in recipe["bodies"].items()}
     if sorted(kinds.values()) != ["blocks", "continuum"] or len(recipe["interfaces"]) != 1:
         return None

@@ -1,4 +1,4 @@
-"""Frames: balance as a whole, moments within M_p, and powers, from the tables of a state."""
+"""Frames: overall balance, moments within M_p, and powers, from the tables of a state."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -13,7 +13,7 @@ from lacore_verification.fuzz.drawn.touches import Touches
 
 
 def check_frames(recipe: Recipe, points: Touches, state: la.LimitState) -> Iterator[Wrong]:
-    """That each frame is in balance, and its hinges are."""
+    """Yield violations of the balance of each frame and of the laws of its hinges."""
     for name, data in recipe["bodies"].items():
         if data["kind"] == "frame":
             yield from _check(recipe, name, data, points, state)
@@ -57,7 +57,7 @@ def _check(
 
 
 def hinge_power(name: str, state: la.LimitState) -> float:
-    """Plastic power of all hinges of a frame."""
+    """Return the plastic power of all hinges of a frame."""
     hinges = state.hinges
     if not len(hinges):
         return 0.0
@@ -66,7 +66,7 @@ def hinge_power(name: str, state: la.LimitState) -> float:
 
 
 def _forces(data: Mapping[str, Any], load: Mapping[str, Any]) -> list[tuple[Floats, Floats]]:
-    """Force and place of a load on a frame."""
+    """Return the force and place of a load on a frame."""
     nodes = data["nodes"]
     force = np.array(load["vector"], dtype=float)
     if load["load"] == "PointForce":
@@ -79,7 +79,7 @@ def _forces(data: Mapping[str, Any], load: Mapping[str, Any]) -> list[tuple[Floa
 def frame_powers(
     recipe: Recipe, name: str, data: Mapping[str, Any], state: la.LimitState
 ) -> tuple[float, float]:
-    """Power of the reference and the dead loads at the velocities of the nodes."""
+    """Return the power of the reference and dead loads at the velocities of the nodes."""
     frame = state.discretisation.frames[name].body
     place, motion = frame.position.T, state.velocity[name][:2].T
     result = []
@@ -101,7 +101,7 @@ def frame_powers(
 def _along(
     data: Mapping[str, Any], load: Mapping[str, Any], place: Floats, motion: Floats
 ) -> float:
-    """Power of a traction along a member: straight pieces between the nodes on it."""
+    """Return the power of a traction along a member, which is straight between its nodes."""
     one, other = (
         np.array(data["nodes"][end], dtype=float) for end in data["members"][load["where"]]
     )

@@ -1,7 +1,7 @@
-"""Linear programs solved beyond double precision: by repeated solves of what is left over.
+"""Linear programs solved beyond double precision, by repeated solves for the residual.
 
-Gleixner, Steffy & Wolter, INFORMS J. Computing 28 (2016) 449: residuals of a solution, blown up,
-are the data of the next program. Weights that are ten decades apart need it.
+Gleixner, Steffy & Wolter, INFORMS J. Computing 28 (2016) 449: scaled residuals of a solution are
+the data of the next program. Weights that are ten decades apart need it.
 """
 
 from dataclasses import dataclass, replace
@@ -13,8 +13,8 @@ from scipy.optimize import linprog
 from lacore.numerics.arrays import Floats
 
 _ROUNDS = 6
-_ENOUGH = 1e-11  # of the scale of each row
-_LARGEST = 1e14  # by which residuals are blown up at most
+_ENOUGH = 1e-11  # # Relative to the scale of each row.
+_LARGEST = 1e14  # # Largest factor on residuals.
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,10 @@ class Program:
 
 @dataclass(frozen=True)
 class Optimum:
-    """The largest value of a program, and where it is.
+    """The largest value of a program, and its point.
 
     Attributes:
-        value: -inf where nothing fulfils it, +inf where nothing bounds it, NaN where that did not
-            come out.
+        value: -inf if infeasible, +inf if unbounded, NaN if the solver failed.
         point: x; None where the value is not finite.
     """
 
@@ -43,7 +42,7 @@ class Optimum:
 
 
 def maximum(program: Program) -> Optimum:
-    """The largest value, to about 1e-10 of each row's own scale."""
+    """Return the largest value, to about 1e-10 of each row's scale."""
     answer = _solve(program)
     if answer is None:
         return Optimum(nan)
@@ -73,8 +72,8 @@ def maximum(program: Program) -> Optimum:
         if step is None or isinstance(step, float):
             break
         x, y = x + step[0] / up, y + step[1] / rise
-    # What lies outside of its bounds counts by what it does to the rows: of a light block, little
-    # is enough to carry it.
+    # # A violation of bounds counts by its effect on the rows: for a light block, a small force is
+    # enough to carry it.
     outside = np.maximum(np.maximum(program.low - x, x - program.high), 0.0)
     off = abs(program.right - matrix @ x) + np.abs(matrix) @ outside
     scale = np.abs(matrix) @ abs(x) + abs(program.right)
@@ -84,7 +83,7 @@ def maximum(program: Program) -> Optimum:
 
 
 def _solve(program: Program) -> tuple[Floats, Floats] | float | None:
-    """Point and multipliers; a float where it is infinite, None where the solver gives up."""
+    """Return the point and multipliers; a float if it is infinite, None if the solver fails."""
     size = np.abs(program.matrix).max(axis=0)
     size[size == 0] = 1.0
     found = linprog(
@@ -97,7 +96,7 @@ def _solve(program: Program) -> tuple[Floats, Floats] | float | None:
     if found.status == 2:
         return -inf
     if found.status == 3:
-        # Presolve tells infinite from infeasible only when it is asked without a cost.
+        # # Presolve distinguishes unbounded from infeasible only without a cost.
         empty = replace(program, cost=np.zeros_like(program.cost))
         again = _solve(empty) if np.any(program.cost) else None
         return -inf if again == -inf else inf

@@ -1,4 +1,4 @@
-"""The limit problems of a copy of a path, solved as those of the path itself."""
+"""Limit problems of a copy of a path, compared with those of the path."""
 
 from collections.abc import Iterator
 
@@ -12,13 +12,14 @@ from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
 
-_SAME = 1e-9  # of the size of all bodies
+_SAME = 1e-9  # # Relative to the size of all bodies.
 
 
 def same_load(name: str, path: la.Path, copy: la.Path) -> Iterator[Wrong]:
-    """The last load of a moved or reordered path is that of its problem before, on its bodies.
+    """Yield a failure if the last load of a copied path differs from that of the original problem.
 
-    Nothing is claimed where the loop on friction certifies no load.
+    The original problem is solved on the bodies of the copy. Nothing is reported if the loop on
+    friction certifies no load.
     """
     moment, state = copy.snapshots[-1].moment, copy.last
     assert moment is not None
@@ -33,7 +34,7 @@ def same_load(name: str, path: la.Path, copy: la.Path) -> Iterator[Wrong]:
 
 
 def moved_back(own: Configuration, stage: Stage, known: Stage) -> Configuration:
-    """A configuration of one stage by the rigid motion that moves its start to that of another.
+    """Return a configuration after the rigid motion from the start of its stage to that of another.
 
     Elements of mirrored meshes may begin at another corner: strains are those of the same place.
     """
@@ -42,14 +43,14 @@ def moved_back(own: Configuration, stage: Stage, known: Stage) -> Configuration:
     means = [nodes.mean(axis=1, keepdims=True) for nodes in both]
     one, other = (nodes - mean for nodes, mean in zip(both, means, strict=True))
     left, _, right = np.linalg.svd(other @ one.T)
-    turn = left @ right  # of determinant -1 where the copy is mirrored
+    turn = left @ right  # # Its determinant is -1 where the copy is mirrored.
 
     def back(places: Floats) -> Floats:
         return np.asarray(turn @ (places - means[0]) + means[1])
 
     size = float(np.abs(one).max())
     assert np.allclose(back(both[0]), both[1], atol=_SAME * size)
-    angle = np.linalg.det(turn)  # of rigid blocks
+    angle = np.linalg.det(turn)  # # Rotation of rigid blocks.
     nodes = {
         name: np.concatenate([back(places[:2]), angle * places[2:]])
         for name, places in own.nodes.items()
@@ -64,7 +65,7 @@ def moved_back(own: Configuration, stage: Stage, known: Stage) -> Configuration:
 
 
 def _strain_points(stage: Stage) -> dict[str, Floats]:
-    """Where the strain points of deformable bodies begin, (2, points) by body."""
+    """Return the strain points of deformable bodies at the start, (2, points) by body."""
     dofs = stage.dofs_at(stage.start)
     return {
         name: np.asarray(own.basis.global_coordinates()).reshape(2, -1)

@@ -1,4 +1,4 @@
-"""What is known of random paths without a solver: exact forces, friction, the power of tools."""
+"""Facts about random paths without a solver: exact forces, friction, the power of tools."""
 
 from collections.abc import Iterator
 from math import log, sqrt
@@ -11,14 +11,15 @@ from lacore_verification.fuzz.checks.verdict import BAR, Wrong, beyond
 from lacore_verification.fuzz.drawn.recipe import Recipe
 from lacore_verification.fuzz.drawn.touches import law_terms
 
-_SLIPS = 1e-4  # of the largest velocity: below it a point may as well stick
-_TOUCH = 1e-5  # m, of bodies about 1 m in size
-_VOLUME = 1e-6  # of a step of the implicit midpoint, for each step
-_STATE = 1e-4  # of the largest traction: residuals of certificates sum up, and scale, otherwise
+_SLIPS = 1e-4  # # Relative to the largest velocity: below it a point may stick.
+_TOUCH = 1e-5  # # m, for bodies about 1 m in size.
+_VOLUME = 1e-6  # # Error of the implicit midpoint, per step.
+# # Relative to the largest traction: residuals of certificates are summed and scaled otherwise.
+_STATE = 1e-4
 
 
 def exact_force(recipe: Recipe, travel: float) -> float:
-    """The force at a travel, or the power of the tools per travel, of a recipe with a fact."""
+    """Return the force at a travel, or the power of the tools per travel, from the fact."""
     bodies, fact = recipe["bodies"], recipe["fact"]
     if fact == "sled":
         (pair,), (load,) = recipe["interfaces"], recipe["dead"]
@@ -34,14 +35,14 @@ def exact_force(recipe: Recipe, travel: float) -> float:
 
 
 def _upsetting(body: dict[str, Any], length: float) -> float:
-    """Force of uniform compression in plane strain to a length, initially 1."""
+    """Return the force of uniform compression in plane strain from length 1 to `length`."""
     factor = 2 / sqrt(3)
     stress = sqrt(3) * body["strength"] + body["hardening"] * factor * -log(length)
     return float(factor * stress * np.ptp(body["mesh"]["x"]) / length)
 
 
 def check_facts(recipe: Recipe, path: la.Path) -> Iterator[Wrong]:
-    """What is wrong with a path that has reached its end."""
+    """Yield the failures of a path that has reached its end."""
     history = path.history
     if "fact" in recipe:
         exact = np.array([exact_force(recipe, float(at)) for at in history["travel"]])
@@ -58,7 +59,7 @@ def check_facts(recipe: Recipe, path: la.Path) -> Iterator[Wrong]:
 
 
 def _coulomb(recipe: Recipe, path: la.Path, state: la.LimitState) -> Iterator[Wrong]:
-    """Pressure, and friction within its law and against the slip, at every contact point."""
+    """Yield violations of pressure and friction at contact points."""
     table = state.reactions
     names = [own.name for own in path.stage.interfaces]
     laws = {
@@ -68,7 +69,7 @@ def _coulomb(recipe: Recipe, path: la.Path, state: la.LimitState) -> Iterator[Wr
     known = np.array([laws[str(name).split("#")[0]] for name in table["interface"]])
     mu, limit = known.reshape(-1, 3)[:, :2].T
     normal, shear, slip, gap = (table[name].to_numpy() for name in ("t_n", "t_t", "u_t", "gap"))
-    # What closes a gap within the step sticks from the next one on; mu t_n acts at once.
+    # # A point that closes its gap within the step sticks from the next one; mu t_n acts at once.
     limit = np.where(gap <= _TOUCH, limit, 0.0)
     scale = max(float(np.abs(normal).max(initial=0.0)), float(np.abs(shear).max(initial=0.0)))
     yield from beyond("tension on a path", "of", -normal, scale, _STATE)
@@ -82,7 +83,7 @@ def _coulomb(recipe: Recipe, path: la.Path, state: la.LimitState) -> Iterator[Wr
 
 
 def _power(recipe: Recipe, path: la.Path) -> Iterator[Wrong]:
-    """Contact forces on the tools times their velocities: the power that drives them."""
+    """Yield a failure if the power of contact forces on the tools is not the driving power."""
     forces = path.tool_forces().set_index("body")
     motions = recipe["path"]["tools"]
     terms = np.array(

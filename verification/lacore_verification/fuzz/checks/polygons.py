@@ -1,7 +1,7 @@
 """Frames of rectangular sections, with polygons inside and around their yield curves.
 
-Linear programs of equilibrium with many more sides enclose the load factor of the curves, which
-the inscribed polygons bound from below and the circumscribed ones from above.
+Linear programs of equilibrium with many more sides enclose the load factor of the curves, which the
+inscribed polygons bound from below and the circumscribed ones from above.
 """
 
 from collections.abc import Iterator, Mapping
@@ -15,12 +15,12 @@ from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.verdict import BAR, Judgement, Wrong
 from lacore_verification.fuzz.drawn.recipe import Recipe, build, copied
 
-_SIDES = 64  # of the enclosing polygons, between no axial force and the largest
+_SIDES = 64  # # Sides of the enclosing polygons, between no axial force and the largest.
 _HELD = {"clamped": (0, 1, 2), "xy": (0, 1), "y": (1,)}
 
 
 def examine_polygons(recipe: Recipe) -> Judgement:
-    """Solve a frame with both polygons, and judge both load factors and what they claim."""
+    """Solve a frame with both polygons, and check both load factors and their rigour."""
     (name,) = recipe["bodies"]
     states = {}
     for polygon in ("inner", "outer"):
@@ -45,7 +45,7 @@ def examine_polygons(recipe: Recipe) -> Judgement:
 
 
 def _wrong(states: Mapping[str, la.LimitState], low: float, high: float) -> Iterator[Wrong]:
-    """What is wrong with a frame whose load factor lies between low and high."""
+    """Yield the failures of a frame whose load factor lies between low and high."""
     for polygon, rigor in (("inner", la.Rigor.LOWER), ("outer", la.Rigor.UPPER)):
         state = states[polygon]
         value, room = state.load_factor, BAR * (1 + abs(state.load_factor))
@@ -64,12 +64,13 @@ def _wrong(states: Mapping[str, la.LimitState], low: float, high: float) -> Iter
 
 
 def enclosing(recipe: Recipe, inscribed: bool) -> float:
-    """Load factor of a fine polygon; -inf where it does not carry the dead loads."""
+    """Return the load factor of a fine polygon; -inf if it does not carry the dead loads."""
     (frame,) = recipe["bodies"].values()
     nodes = list(frame["nodes"])
     place = {node: np.array(at, dtype=float) for node, at in frame["nodes"].items()}
     count = 3 * len(frame["members"])
-    rows = np.zeros((3 * len(nodes), count + 1))  # forces and moment on each node; the load factor
+    # # Forces and moment on each node, then the load factor.
+    rows = np.zeros((3 * len(nodes), count + 1))
     limits: list[Floats] = []
     bounds: list[Floats] = []
     for member, (one, other) in enumerate(frame["members"].values()):
@@ -112,13 +113,13 @@ def enclosing(recipe: Recipe, inscribed: bool) -> float:
         right[free],
         bounds=(None, None),
     )
-    if found.status == 3:  # unbounded
+    if found.status == 3:  # # The program is unbounded.
         return inf
     return -inf if found.x is None else float(found.x[-1])
 
 
 def _sides(squash: float, moment: float, inscribed: bool) -> tuple[Floats, Floats]:
-    """Sides of ``|m| = 1 - n^2`` in N and M, shape (k, 2), and what each is at most."""
+    """Return the sides of ``|m| = 1 - n^2`` in N and M, shape (k, 2), and their limits."""
     n = np.linspace(0.0, 1.0, _SIDES + 1)
     slope, most = (n[1:] + n[:-1], 1 + n[1:] * n[:-1]) if inscribed else (2 * n, 1 + n**2)
     signs = [(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]

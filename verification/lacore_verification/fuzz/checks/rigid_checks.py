@@ -1,6 +1,7 @@
 """Coulomb states of rigid blocks, checked from polygons, loads and the table of reactions.
 
-Each block is judged by its own forces: a pebble in a wall is out of balance by its own weight.
+The balance of each block is relative to its own forces: a pebble in a wall is checked relative to
+its weight.
 """
 
 from collections.abc import Iterator
@@ -20,7 +21,7 @@ class Blocks:
     """All rigid blocks of a recipe.
 
     Attributes:
-        parts: who they are, B of them.
+        parts: body and block names, B of them.
         centroid: (B, 2), m. radius: (B,), m. held: (B,).
         live, dead: force (x, y) and moment about the centroid, (B, 3).
     """
@@ -34,7 +35,7 @@ class Blocks:
 
 
 def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
-    """Of a simple polygon, (k, 2), in either sense."""
+    """Return area and centroid of a simple polygon, (k, 2), of either orientation."""
     origin = polygon[0]
     (x, y), (x1, y1) = (polygon - origin).T, np.roll(polygon - origin, -1, axis=0).T
     cross = x * y1 - x1 * y
@@ -44,7 +45,7 @@ def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
 
 
 def rigid_blocks(recipe: Recipe) -> Blocks:
-    """The blocks of a recipe with the loads on them."""
+    """Return the blocks of a recipe with the loads on them."""
     polygons = {
         (body, name): np.array(polygon, dtype=float)
         for body, data in recipe["bodies"].items()
@@ -89,14 +90,14 @@ def rigid_blocks(recipe: Recipe) -> Blocks:
 def check_blocks(
     recipe: Recipe, blocks: Blocks, points: Touches, state: la.LimitState
 ) -> Iterator[Wrong]:
-    """Balance of each block, its motion, and that what table and motion say is the same."""
+    """Yield violations of the balance of blocks and differences between the table and motions."""
     alpha = state.load_factor
     total = alpha * blocks.live + blocks.dead
     arm_length = np.maximum(blocks.radius, 1e-300)[:, None]
     size = np.hypot(*(alpha * blocks.live[:, :2]).T) + np.hypot(*blocks.dead[:, :2].T)
     size += (np.abs(alpha * blocks.live[:, 2]) + np.abs(blocks.dead[:, 2])) / arm_length[:, 0]
     force = points.force
-    # A block that nothing loads has no forces of its own: what counts is the round-off of others.
+    # # A block without loads has no forces of its own: the round-off of others is its scale.
     size = np.where(size > 0, size, np.abs(force).sum())
     motion = _motions(blocks, state)
     jump = np.zeros_like(points.place)
@@ -128,13 +129,13 @@ def check_blocks(
 
 
 def powers(blocks: Blocks, state: la.LimitState) -> tuple[float, float]:
-    """Power of the reference and of the dead loads on rigid blocks."""
+    """Return the power of the reference and of the dead loads on rigid blocks."""
     motion = _motions(blocks, state)
     return float(np.sum(motion * blocks.live)), float(np.sum(motion * blocks.dead))
 
 
 def _motions(blocks: Blocks, state: la.LimitState) -> Floats:
-    """u_x, u_y, omega of each block, (B, 3)."""
+    """Return u_x, u_y, omega of each block, (B, 3)."""
     order: dict[str, int] = {}
     rows = []
     velocity = state.velocity
@@ -150,7 +151,7 @@ def _speed(blocks: Blocks, motion: Floats) -> float:
 
 
 def part_sizes(recipe: Recipe, blocks: Blocks, points: Touches, alpha: float) -> dict[Part, float]:
-    """What forces on each free part come to, N/m: the scale of what is on it."""
+    """Return the sum of the forces on each free part, N/m, which is the scale of its balance."""
     sizes: dict[Part, float] = {}
     strength = np.hypot(points.force_n, points.force_t)
     for part in {*points.slave, *points.master} - {OBSTACLE}:

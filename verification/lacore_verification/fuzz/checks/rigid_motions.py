@@ -1,8 +1,8 @@
-"""Motions of whole bodies refute the words LOCKED and FREE: linear programs of few unknowns.
+"""Rigid-body motions that refute LOCKED and FREE: linear programs of few unknowns.
 
-Every plane space holds them, and they dissipate nothing inside. One that supports and contacts
-admit and that feels the reference load refutes LOCKED. Without dissipation bodies move as wholes:
-where no such motion gets as much from the dead loads as it gives them, FREE is refuted.
+Every plane space contains them, and they dissipate nothing inside. One that supports and contacts
+admit and on which the reference load has power refutes LOCKED. Without dissipation bodies move
+rigidly: if no such motion gets as much from the dead loads as it gives them, FREE is refuted.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,16 +21,16 @@ from lacore_verification.fuzz.continua.quadrature import in_cells
 from lacore_verification.fuzz.drawn.recipe import Recipe, force_density
 from lacore_verification.fuzz.drawn.touches import law_terms, part_of
 
-_FELT = 1e-6  # of the size of the reference load: a motion that feels more is felt
+_FELT = 1e-6  # # Relative to the size of the reference load: smaller power counts as zero.
 _UNFELT = 1e-9
 _AXES: Mapping[str, Any] = {"x": [[1.0, 0.0]], "y": [[0.0, 1.0]], "xy": [[1.0, 0.0], [0.0, 1.0]]}
 
 
 def refuted_words(recipe: Recipe, problem: la.Problem, status: la.Status) -> Iterator[Wrong]:
-    """What motions of whole bodies say against LOCKED or FREE; nothing of other words."""
+    """Yield rigid-body motions that refute LOCKED or FREE; nothing for other statuses."""
     kinds = [body["kind"] for body in recipe["bodies"].values()]
     if any(body.get("mesh", {}).get("polar") for body in recipe["bodies"].values()):
-        return  # sides are straight here
+        return  # # Sides are straight here.
     round_ = any(body.get("kinematics") == "axisymmetric" for body in recipe["bodies"].values())
     if round_ or "frame" in kinds or status not in (la.Status.LOCKED, la.Status.FREE):
         return
@@ -48,7 +48,7 @@ def refuted_words(recipe: Recipe, problem: la.Problem, status: la.Status) -> Ite
 class Wholes:
     """Linear conditions on u_x, u_y of the middle and size times rotation rate of each part.
 
-    After the parts comes the speed of each footing. Rows are collected as they are stated.
+    The speed of each footing follows the parts. Rows are collected as conditions are added.
     """
 
     def __init__(self, recipe: Recipe, problem: la.Problem, without_dissipation: bool) -> None:
@@ -87,7 +87,7 @@ class Wholes:
         return row
 
     def _ends(self, body: str, where: Any) -> tuple[Floats, Floats]:
-        """Ends (2, 2) of a straight side, and its outward normal."""
+        """Return the ends (2, 2) of a straight side, and its outward normal."""
         whole = self._problem.bodies[body]
         if isinstance(whole, la.Body):
             start, end, outward = edges_of(whole, where)
@@ -145,7 +145,7 @@ class Wholes:
                 self._contact(slave, master, end, -normal, law_terms(pair["friction"]))
 
     def _contact(self, slave: Any, master: Any, place: Floats, normal: Floats, law: Any) -> None:
-        """No penetration; no slip where it is forbidden, or dissipates and must not."""
+        """Add no penetration, and no slip if forbidden, or if it dissipates and must not."""
         mu, limit, dilatancy = law
         tangent = np.array([-normal[1], normal[0]])
         opening, slip = (
@@ -160,7 +160,7 @@ class Wholes:
             self._equal.append(slip)
 
     def loads(self, key: str) -> Floats:
-        """Power of loads at each unknown."""
+        """Return the power of loads for each unknown."""
         blocks = rigid_blocks(self._recipe)
         total = np.zeros(3 * len(self._parts) + len(self._footings))
         forces = blocks.live if key == "reference" else blocks.dead
@@ -200,7 +200,10 @@ class Wholes:
         return np.asarray(float(length.sum()) * self._row(part, place, load["vector"]))
 
     def largest(self, live: Floats, further: list[Floats]) -> float:
-        """Largest power of a load at motions of at most one; powers in `further` not below 0."""
+        """Return the largest power of a load at motions of at most one.
+
+        Powers in `further` are >= 0.
+        """
         least = np.array([*self._least, *(row / max(np.abs(row).max(), 1e-300) for row in further)])
         least = least.reshape(-1, live.size)
         equal = np.array(self._equal).reshape(-1, live.size)
@@ -217,7 +220,7 @@ class Wholes:
 
 
 def _overlap(one: Floats, other: Floats) -> Floats:
-    """Where two segments on one line lie on each other, (2, 2)."""
+    """Return the common part of two segments on one line, (2, 2)."""
     along = (one[1] - one[0]) / np.hypot(*(one[1] - one[0]))
     share = np.sort((other - one[0]) @ along)
     low, high = max(0.0, share[0]), min(float(np.hypot(*(one[1] - one[0]))), share[1])

@@ -1,4 +1,4 @@
-"""All that is checked of one answer."""
+"""All checks of a state."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ from lacore_verification.fuzz.drawn.touches import Part, Touches, touches
 
 @dataclass(frozen=True)
 class Scale:
-    """What a state turns over at ``F0.u = 1``, in units of load factors, and how fast it moves."""
+    """Dissipation of a state at ``F0.u = 1``, in load factors, and its largest velocity."""
 
     power: float
     speed: float
@@ -52,7 +52,7 @@ NO_SCALE = Scale(0.0, 0.0)
 
 
 def scale_of(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Scale:
-    """Dissipation and power of dead loads: what load factors are compared by."""
+    """Return the dissipation and power of dead loads, which is the scale of load factors."""
     lost = float(dissipation(touches(recipe, problem, state)).sum()) + table_power(recipe, state)
     assert state.point is not None
     moving = [part[:2] for part in state.velocity.values()]
@@ -62,7 +62,7 @@ def scale_of(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Scale
 
 
 def table_power(recipe: Recipe, state: la.LimitState) -> float:
-    """Plastic power of bodies and hinges as a state has it."""
+    """Return the plastic power of bodies and hinges of a state."""
     total = 0.0
     for name, density in state.dissipation.items():
         body = state.discretisation.continua[name].body
@@ -94,7 +94,7 @@ def load_powers(
 
 
 def footing_speed(state: la.LimitState) -> float:
-    """Of the one footing of a problem, along its direction."""
+    """Return the speed of the one footing of a problem, along its direction."""
     assert state.point is not None
     (speed,) = state.point.velocity[state.discretisation.footings]
     return float(speed)
@@ -103,7 +103,7 @@ def footing_speed(state: la.LimitState) -> float:
 def check_state(
     recipe: Recipe, problem: la.Problem, state: la.LimitState, rng: np.random.Generator
 ) -> Iterator[Wrong]:
-    """That a certified state is one: balance part by part, laws point by point, powers."""
+    """Yield violations of a certified state: balance by part, laws by point, and powers."""
     if not isfinite(state.load_factor):
         yield Wrong("number", f"solved, and the load factor is {state.load_factor}")
         return
@@ -129,7 +129,7 @@ def check_state(
 def _check_powers(
     recipe: Recipe, blocks: Blocks, points: Touches, state: la.LimitState, scale: Scale
 ) -> Iterator[Wrong]:
-    """That ``F0.u = 1`` and that loads take out what flow, hinges and friction use up."""
+    """Yield violations of ``F0.u = 1`` and of the balance of load power and dissipation."""
     live, dead = powers(blocks, state)
     used = float(dissipation(points).sum())
     jumps = False
@@ -151,7 +151,7 @@ def _check_powers(
             live, dead = live + loads[0], dead + loads[1]
     yield from beyond("F0.u = 1", "off by", abs(live - 1), 1.0)
     lost = used - state.load_factor - dead
-    # Jumps of velocities dissipate, too: what is used up inside elements is a part of it.
+    # # Jumps of velocities dissipate, too: the dissipation inside elements is a part of it.
     yield from beyond("power balance", "off by", lost if jumps else abs(lost), scale.power)
     if jumps:
         table = table_power(recipe, state) + float(dissipation(points).sum())
@@ -160,7 +160,7 @@ def _check_powers(
 
 
 def _flush(load: Mapping[str, Any], data: Mapping[str, Any]) -> bool:
-    """Whether the edges of a body stay on its footing.
+    """Return whether the edges of a body stay on its footing.
 
     Continuous velocities slide along a smooth arc, which the edges replace; they bound nothing.
     """
@@ -170,12 +170,12 @@ def _flush(load: Mapping[str, Any], data: Mapping[str, Any]) -> bool:
 def _check_friction(
     points: Touches, sizes: Mapping[Part, float], power: float, speed: float
 ) -> Iterator[Wrong]:
-    """That each contact point obeys its law.
+    """Yield violations of the friction law at contact points.
 
     Args:
         points: of contact.
-        sizes: of the forces on each free part, N/m; a point is judged by the smaller of its two.
-        power: that the state turns over, N/m m/s.
+        sizes: forces on each free part, N/m; the tolerance of a point is by the smaller of its two.
+        power: total power of the state, N/m m/s.
         speed: largest velocity, m/s.
     """
     own = np.array(
@@ -202,14 +202,14 @@ def _check_friction(
 
 
 def dissipation(points: Touches) -> Floats:
-    """Power of friction at each point, N/m m/s."""
+    """Return the power of friction at each point, N/m m/s."""
     bound = np.where(points.dilatancy > 0, 0.0, points.mu * points.force_n)
     limit = np.where(np.isfinite(points.limit), points.limit, 0.0)
     return np.asarray((bound + limit) * np.abs(points.slip))
 
 
 def _check_yield(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Iterator[Wrong]:
-    """That no stress is beyond the strength, by the formula of each kinematics."""
+    """Yield stresses beyond the strength, by the formula of each kinematics."""
     for name, stress in state.stress.items():
         data = recipe["bodies"][name]
         if "soil" in data:
@@ -224,7 +224,7 @@ def _check_yield(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> I
 
 
 def _shear_stress(stress: Floats, kinematics: str) -> Floats:
-    """What von Mises compares with the strength in shear; stress (..., 4)."""
+    """Return the equivalent shear stress of von Mises; stress (..., 4)."""
     xx, yy, zz, xy = np.moveaxis(stress, -1, 0)
     if kinematics == "plane_strain":
         return np.asarray(np.hypot((xx - yy) / 2, xy))
@@ -233,7 +233,10 @@ def _shear_stress(stress: Floats, kinematics: str) -> Floats:
 
 
 def _check_footing(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Iterator[Wrong]:
-    """That the forces under a footing come to its load, where nothing else holds its nodes."""
+    """Yield a failure if forces under a footing differ from its load.
+
+    Its nodes are free otherwise.
+    """
     load = recipe["reference"][0]
     body = problem.bodies[load["body"]]
     assert isinstance(body, la.Body)

@@ -1,4 +1,4 @@
-"""What a check says of an answer: nothing, or what is wrong."""
+"""Failures found by checks."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 BAR = 1e-5
-"""Ten times what certificates let through: they sum, and scale, in other ways."""
+"""Ten times the tolerance of certificates, as these sum and scale in other ways."""
 
 
 @dataclass(frozen=True)
 class Wrong:
-    """One thing that is wrong.
+    """A failure.
 
     Attributes:
-        check: its name; a smaller problem is the same find if it fails the same check.
-        text: what it is, with numbers.
+        check: its name; a smaller problem has the same failure if it fails the same check.
+        text: description with numbers.
     """
 
     check: str
@@ -29,13 +29,13 @@ class Wrong:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is known of a problem and of its answer.
+    """Result of the checks of a problem and its solution.
 
     Attributes:
-        status, load_factor, rigor, message: of the answer.
-        has_load: whether there is a load factor; None where nobody knows.
-        lower, upper: bounds that were found without the answer; NaN without.
-        wrong: None where nothing is.
+        status, load_factor, rigor, message: of the solution.
+        has_load: whether there is a load factor; None if unknown.
+        lower, upper: bounds that were found without the solution; NaN without.
+        wrong: None without a failure.
     """
 
     status: str
@@ -49,7 +49,7 @@ class Judgement:
 
 
 def beyond(check: str, what: str, values: Any, scale: Any, bar: float = BAR) -> Iterator[Wrong]:
-    """Wrong where a value is not below its scale times the bar; NaN is not below anything."""
+    """Yield a failure if a value is not below its scale times the bar; NaN is not."""
     values, scale = (
         part.ravel()
         for part in np.broadcast_arrays(
@@ -68,5 +68,5 @@ def beyond(check: str, what: str, values: Any, scale: Any, bar: float = BAR) -> 
 
 
 def first(found: Iterable[Wrong]) -> Wrong | None:
-    """The first thing that is wrong."""
+    """Return the first failure."""
     return next(iter(found), None)

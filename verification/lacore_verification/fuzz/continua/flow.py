@@ -1,7 +1,7 @@
-"""Plastic flow of continua from nodal velocities: interpolated anew, strained, integrated.
+"""Plastic flow of continua from nodal velocities, with independent interpolation and integration.
 
 Elements are affine images of reference ones, so that velocities are polynomials of local
-coordinates; their coefficients follow from the nodes, in whatever order these come.
+coordinates; their coefficients follow from the nodes, in any order.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,11 +28,11 @@ _POWERS = {
 
 @dataclass(frozen=True)
 class Motion:
-    """Velocity of a continuum, element by element.
+    """Velocity of a continuum, by element.
 
     Attributes:
         body: the body.
-        slip: where it slips past supports and footings; None where it does not.
+        slip: slip past supports and footings; None without.
         factors: of the monomials of local coordinates, (2, terms, cells).
         origin: (2, cells). inverse: from places to local coordinates, (2, 2, cells).
     """
@@ -48,18 +48,18 @@ class Motion:
         return np.array(_POWERS[self.body.space[:2]])
 
     def _local(self, cells: Any, places: Floats) -> Floats:
-        """Local coordinates of places (2, n, q), each in its cell."""
+        """Return local coordinates of places (2, n, q), each in its cell."""
         away = places - self.origin[:, cells][:, :, None]
         return np.asarray(np.einsum("abn,bnq->anq", self.inverse[:, :, cells], away))
 
     def velocity(self, cells: Any, places: Floats) -> Floats:
-        """At places (2, n, q) of cells (n,)."""
+        """Return velocities at places (2, n, q) of cells (n,)."""
         x, y = self._local(cells, places)
         terms = np.stack([x**i * y**j for i, j in self._powers])
         return np.asarray(np.einsum("ctn,tnq->cnq", self.factors[:, :, cells], terms))
 
     def strain_rate(self, places: Floats) -> Floats:
-        """xx, yy, zz (of the hoop), 2 xy at places (2, cells, q) of all cells; (4, cells, q)."""
+        """Return xx, yy, zz (hoop), 2 xy at places (2, cells, q) of all cells; (4, cells, q)."""
         every = np.arange(self.origin.shape[1])
         x, y = self._local(every, places)
         zero = np.zeros_like(x)
@@ -78,7 +78,7 @@ class Motion:
 
 
 def motion_of(state: la.LimitState, name: str) -> Motion:
-    """The velocity of a body of a state."""
+    """Return the velocity of a body of a state."""
     dofs = state.discretisation.continua[name]
     mesh = dofs.body.mesh
     origin = mesh.p[:, mesh.t[0]]
@@ -94,7 +94,7 @@ def motion_of(state: la.LimitState, name: str) -> Motion:
 
 
 def dissipation_inside(motion: Motion, data: Mapping[str, Any]) -> float:
-    """Plastic power within elements, without that of velocity jumps; `data`: of the body."""
+    """Return plastic power within elements, without velocity jumps; `data` is that of the body."""
     places, weights = strain_points(motion.body)
     xx, yy, zz, xy = motion.strain_rate(places)
     if "soil" in data:
@@ -114,11 +114,11 @@ def dissipation_inside(motion: Motion, data: Mapping[str, Any]) -> float:
 
 
 def check_volume(motion: Motion, stress: Floats, name: str, power: float) -> Iterator[Wrong]:
-    """That incompressible bodies flow at constant volume.
+    """Yield violations of constant volume in incompressible bodies.
 
-    What a cell grows by counts by the power that its stresses take from it, those that are there:
-    in a body far from yield its strength says nothing of powers. In bodies of revolution triangles
-    at a crossing keep their volume together (T27): there it is their sum.
+    The volume change of a cell counts by its power with the actual stresses: in a body far from
+    yield its strength is no measure of powers. In axisymmetric bodies triangles at a crossing keep
+    their volume together (T27), so that their sum is checked.
     """
     if motion.body.kinematics == "plane_stress":
         return
@@ -134,7 +134,7 @@ def check_volume(motion: Motion, stress: Floats, name: str, power: float) -> Ite
 
 
 def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
-    """Power of a load on a body at factor one; of footings see `footing_power`."""
+    """Return the power of a load on a body at factor one; for footings see `footing_power`."""
     body, kind = motion.body, load["load"]
     if kind == "BodyForce":
         places, weights = in_cells(body.mesh.p, body.mesh.t)
@@ -158,7 +158,7 @@ def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
 
 
 def footing_power(motion: Motion, load: Mapping[str, Any], speed: float) -> float:
-    """Power of a footing that moves at a speed; the body may slip along it (T23)."""
+    """Return the power of a footing that moves at a speed; the body may slip along it (T23)."""
     start, end, _ = edges_of(motion.body, load["where"])
     length = np.linalg.norm(end - start, axis=0)
     if motion.body.axisymmetric:
@@ -167,7 +167,7 @@ def footing_power(motion: Motion, load: Mapping[str, Any], speed: float) -> floa
 
 
 def power_on_footing(motion: Motion, load: Mapping[str, Any], carried: Mapping[str, Any]) -> float:
-    """Power of a traction at unit speed of the footing past whose face the body slips."""
+    """Return the power of a traction per unit speed of a footing along which the body slips."""
     if carried["load"] != "Traction" or carried["where"] != load["where"]:
         return 0.0
     start, end, _ = edges_of(motion.body, load["where"])
@@ -179,7 +179,7 @@ def power_on_footing(motion: Motion, load: Mapping[str, Any], carried: Mapping[s
 def check_footing(
     motion: Motion, load: Mapping[str, Any], speed: float, largest: float
 ) -> Iterator[Wrong]:
-    """That the face of a body stays on the footing, which does not turn."""
+    """Yield a failure if the face of a body leaves its footing, which does not rotate."""
     start, end, outward = edges_of(motion.body, load["where"])
     places, _ = on_edges(start, end)
     cells = motion.body.mesh.f2t[0, np.asarray(motion.body.mesh.boundaries[load["where"]])]

@@ -1,7 +1,7 @@
 """Virtual power of continua: random smooth velocity fields, their strain rates in closed form.
 
 For every field of the velocity space the power of the stresses is that of loads, contacts and
-supports. Fields are quadratic (linear where the space is), so each space holds them.
+supports. Fields are quadratic (linear where the space is), so each space contains them.
 
 Where a body slips past a support or a footing, a traction along its side acts on the latter: there
 the body gets only the component across the side.
@@ -35,14 +35,15 @@ _POINTS: Mapping[str, tuple[Floats, Floats]] = {
     "p1-disc": (np.full((2, 1), 1 / 3), np.ones(1)),
     "q2": (_QUADS, _QUAD_SHARE),
 }
-"""Where the states of each space have stresses, on the reference element, and their weights."""
+"""Stress points of each space on the reference element, and their weights."""
 
 
 @dataclass(frozen=True)
 class Field:
     """A velocity ``v = a + B d + quadratic``, d = (x - centre) / length.
 
-    Of bodies of revolution ``v_r`` is r times that, linear: zero on the axis, and a smooth hoop.
+    In axisymmetric bodies ``v_r`` is r times that, and linear: zero on the axis, with smooth hoop
+    rates.
 
     Attributes:
         factors: of 1, dx, dy, dx^2, dx dy, dy^2 in both components, (2, 6).
@@ -54,7 +55,7 @@ class Field:
     round_: bool
 
     def _terms(self, places: Floats) -> tuple[Floats, Floats, Floats]:
-        """The terms and their derivatives by x and y, (6, ...)."""
+        """Return the terms and their derivatives with respect to x and y, (6, ...)."""
         one, zero = np.ones(places.shape[1:]), np.zeros(places.shape[1:])
         x = (places[0] - self.centre[0]) / self.length
         y = (places[1] - self.centre[1]) / self.length
@@ -63,14 +64,14 @@ class Field:
         return np.stack([one, x, y, x * x, x * y, y * y]), along_x, along_y
 
     def velocity(self, places: Floats) -> Floats:
-        """At places (2, ...)."""
+        """Return velocities at places (2, ...)."""
         result = np.tensordot(self.factors, self._terms(places)[0], 1)
         if self.round_:
             result[0] *= places[0] / self.length
         return np.asarray(result)
 
     def strain_rate(self, places: Floats) -> Floats:
-        """xx, yy, zz (of the hoop), 2 xy; (4, ...)."""
+        """Return xx, yy, zz (hoop), 2 xy; (4, ...)."""
         terms, along_x, along_y = self._terms(places)
         value = np.tensordot(self.factors, terms, 1)
         by_x, by_y = np.tensordot(self.factors, along_x, 1), np.tensordot(self.factors, along_y, 1)
@@ -84,7 +85,7 @@ class Field:
 
 
 def random_field(rng: np.random.Generator, body: la.Body) -> Field:
-    """One of order one that the space of a body holds."""
+    """Return a field of order one in the space of a body."""
     factors = rng.uniform(-1, 1, (2, 6))
     if body.space.startswith("p1"):
         factors[:, 3:] = 0.0
@@ -95,7 +96,7 @@ def random_field(rng: np.random.Generator, body: la.Body) -> Field:
 
 
 def rigid_field(rng: np.random.Generator, body: la.Body) -> Field:
-    """One that no stress takes power from: balance of the body as a whole."""
+    """Return a field without strain, for the balance of the body as a whole."""
     factors = np.zeros((2, 6))
     factors[:, 0] = rng.uniform(-1, 1, 2)
     factors[0, 2] = rng.uniform(-1, 1)
@@ -113,7 +114,7 @@ def check_power(
     state: la.LimitState,
     rng: np.random.Generator,
 ) -> Iterator[Wrong]:
-    """Balance of each continuum, as a whole and inside, by its own forces."""
+    """Yield violations of the balance of each continuum, as a whole and inside."""
     supports, stresses = state.support_reactions, state.stress
     for name, body in problem.bodies.items():
         if not isinstance(body, la.Body):
@@ -149,7 +150,7 @@ def check_power(
 
 
 def _inside(body: la.Body, field: Field, stress: Floats) -> tuple[Floats, float]:
-    """Power of the stresses, by strain point, and what it would be if none of it cancelled."""
+    """Return the power of the stresses by strain point, and the sum of its magnitudes."""
     places, weights = strain_points(body)
     rate = field.strain_rate(places)
     density = np.einsum("eqc,ceq->eq", stress, rate)
@@ -158,7 +159,7 @@ def _inside(body: la.Body, field: Field, stress: Floats) -> tuple[Floats, float]
 
 
 def strain_points(body: la.Body) -> tuple[Floats, Floats]:
-    """Where the stresses of a state are, (2, cells, q), and what each stands for, (cells, q)."""
+    """Return stress points, (2, cells, q), and their weights, (cells, q)."""
     reference, share = _POINTS[body.space]
     points, cells = body.mesh.p, body.mesh.t
     corner = [points[:, cells[i]] for i in range(len(cells))]
@@ -187,7 +188,7 @@ def corners_of(body: la.Body) -> Floats:
 
 
 def _touch(points: Touches, body: str, field: Field) -> Floats:
-    """Power of the contact forces on a body, by point."""
+    """Return the power of the contact forces on a body, by point."""
     sign = points.of((body, ""))
     v = points.control_values(field.velocity)
     return np.asarray(sign * np.sum(points.force * v, axis=1))
@@ -196,9 +197,9 @@ def _touch(points: Touches, body: str, field: Field) -> Floats:
 def _load_power(
     body: la.Body, field: Field, load: Mapping[str, Any], slip: Slip | None
 ) -> tuple[float, float]:
-    """Power of a load on a body at factor one, and what it would be if none of it cancelled.
+    """Return the power of a load on a body at factor one, and the sum of its magnitudes.
 
-    That of a footing is in the table of support forces.
+    The load of a footing is in the table of support forces.
     """
     kind = load["load"]
     if kind == "RigidFooting":
@@ -228,7 +229,7 @@ def _load_power(
 
 
 def on_holders(body: la.Body, load: Mapping[str, Any], slip: Slip | None) -> Floats:
-    """Part of a traction that acts on what holds the body, Pa, shape (2, n) on its edges."""
+    """Return the part of a traction that acts on supports of the body, Pa, (2, n) on its edges."""
     _, _, outward = edges_of(body, load["where"])
     tangent = np.stack([-outward[1], outward[0]])
     along = tangent * (np.array(load["vector"], dtype=float) @ tangent)
@@ -237,7 +238,7 @@ def on_holders(body: la.Body, load: Mapping[str, Any], slip: Slip | None) -> Flo
 
 
 def load_size(body: la.Body, load: Mapping[str, Any]) -> float:
-    """Sum of the magnitudes of a load at factor one, N/m (N)."""
+    """Return the sum of the magnitudes of a load at factor one, N/m (N)."""
     if load["load"] == "PointForce":
         return float(np.hypot(*load["vector"]))
     if load["load"] == "BodyForce":
@@ -255,7 +256,7 @@ def load_size(body: la.Body, load: Mapping[str, Any]) -> float:
 
 
 def edges_of(body: la.Body, name: str) -> tuple[Floats, Floats, Floats]:
-    """Ends (2, n) of the edges of a boundary, and outward normals."""
+    """Return the ends (2, n) of the edges of a boundary, and outward normals."""
     mesh = body.mesh
     facets: Ints = np.asarray(mesh.boundaries[name])
     start, end = (mesh.p[:, mesh.facets[i, facets]] for i in (0, 1))

@@ -1,15 +1,15 @@
-"""Integrals over straight elements, written for the checks: nothing of it is shared with lacore."""
+"""Integrals over straight elements for the checks, independent of lacore."""
 
 import numpy as np
 
 from lacore.numerics.arrays import Floats, Ints
 
 _LINE, _SHARE = np.polynomial.legendre.leggauss(4)
-_LINE, _SHARE = (_LINE + 1) / 2, _SHARE / 2  # on [0, 1]
+_LINE, _SHARE = (_LINE + 1) / 2, _SHARE / 2  # # Points and weights on [0, 1].
 
 
 def in_triangles(points: Floats, cells: Ints) -> tuple[Floats, Floats]:
-    """Places (2, cells, q) and weights (cells, q), exact to degree 6: squares folded over."""
+    """Return places (2, cells, q) and weights (cells, q), exact to degree 6, by folded squares."""
     u, v = np.meshgrid(_LINE, _LINE)
     share = np.outer(_SHARE, _SHARE)
     first, second = u.ravel(), (v * (1 - u)).ravel()
@@ -22,7 +22,7 @@ def in_triangles(points: Floats, cells: Ints) -> tuple[Floats, Floats]:
 
 
 def in_cells(points: Floats, cells: Ints) -> tuple[Floats, Floats]:
-    """The same of triangles, or of convex quadrilaterals as two triangles each."""
+    """Return the same for triangles, or for convex quadrilaterals as two triangles each."""
     if len(cells) == 3:
         return in_triangles(points, cells)
     halves = (in_triangles(points, cells[[0, i, i + 1]]) for i in (1, 2))
@@ -31,6 +31,6 @@ def in_cells(points: Floats, cells: Ints) -> tuple[Floats, Floats]:
 
 
 def on_edges(start: Floats, end: Floats) -> tuple[Floats, Floats]:
-    """Places (2, n, q) and weights (n, q) on straight edges, exact to degree 7."""
+    """Return places (2, n, q) and weights (n, q) on straight edges, exact to degree 7."""
     places = start[:, :, None] + (end - start)[:, :, None] * _LINE
     return places, np.linalg.norm(end - start, axis=0)[:, None] * _SHARE

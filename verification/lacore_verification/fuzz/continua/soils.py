@@ -20,10 +20,10 @@ class Sides:
     """Sides of a yield surface in each element, shapes (cells, 1).
 
     Attributes:
-        apex: Mean stress at the tip of the cone, Pa.
-        sine: Of the friction angle.
-        tension: Largest principal stress, Pa; at most that at the apex.
-        crushing: Largest compression, Pa; infinite for none.
+        apex: mean stress at the tip of the cone, Pa.
+        sine: of the friction angle.
+        tension: largest principal stress, Pa; at most that at the apex.
+        crushing: largest compression, Pa; infinite for none.
     """
 
     apex: Floats
@@ -33,12 +33,12 @@ class Sides:
 
 
 def sides(soil: Soil, corners: Floats, end: Callable[..., Floats]) -> Sides:
-    """The surface within, or around, those at all corners (2, cells, n) of elements.
+    """Return the surface inside, or around, those at all corners (2, cells, n) of elements.
 
     Args:
-        soil: The soil.
-        corners: Of the elements, m.
-        end: `numpy.min` for the surface within, `numpy.max` for the one around.
+        soil: the soil.
+        corners: of the elements, m.
+        end: `numpy.min` for the surface inside, `numpy.max` for the one around.
     """
 
     def of(values: Floats) -> Floats:
@@ -67,20 +67,22 @@ def check_soil(surface: Sides, name: str, stress: Floats) -> Iterator[Wrong]:
 
 
 def plastic_power(surface: Sides, growth: Floats, shear: Floats) -> Floats:
-    """Plastic power of flow, W/m^3: the largest that a corner of the surface has with it.
+    """Return the plastic power of flow, W/m^3: the largest over the corners of the surface.
 
-    Flow beyond the normals of sides that have no end is not seen here.
+    Flow beyond the normals of sides without an end is not detected here.
 
     Args:
-        surface: Of each element.
-        growth, shear: Strain rates ``xx + yy`` and ``hypot(xx - yy, 2 xy)``, shape (cells, q).
+        surface: of each element.
+        growth, shear: strain rates ``xx + yy`` and ``hypot(xx - yy, 2 xy)``, shape (cells, q).
     """
     top, least, sine = surface.tension, surface.crushing, surface.sine
-    mean = (top - surface.apex * sine) / (1 - sine)  # where friction meets mean + radius = top
+    # # Intersection of friction with mean + radius = top.
+    mean = (top - surface.apex * sine) / (1 - sine)
     corners = [(top, 0 * top), (mean, top - mean)]
     if np.all(np.isfinite(least)):
-        other = (surface.apex * sine - least) / (1 + sine)  # meets radius - mean = crushing
-        meet = other > mean  # of the cut-offs, below the friction
+        # # Intersection with radius - mean = crushing.
+        other = (surface.apex * sine - least) / (1 + sine)
+        meet = other > mean  # # The cut-offs intersect below the friction.
         mean, other = (np.where(meet, (top - least) / 2, one) for one in (mean, other))
         corners = [(top, 0 * top), (mean, top - mean), (other, least + other), (-least, 0 * top)]
     return np.asarray(np.max([p * growth + radius * shear for p, radius in corners], axis=0))

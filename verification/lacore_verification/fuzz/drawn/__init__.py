@@ -1,1 +1,1 @@
-"""Random problems: drawn, built from their recipes, and copied in ways that change nothing."""
+"""Random problems: drawn, built from recipes, and copied with the same load factor."""

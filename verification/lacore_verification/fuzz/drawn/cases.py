@@ -1,6 +1,6 @@
-"""Classes of random problems as cases, so that what runs, keeps and resumes sweeps does it here.
+"""Classes of random problems as cases, so that the code for runs also runs and resumes sweeps.
 
-A variant is one problem: by seed and number, or by its recipe where it was cut down.
+A variant is one problem: by seed and number, or by its recipe if it was reduced.
 """
 
 import zlib
@@ -39,22 +39,22 @@ BACKEND = "clarabel"
 
 
 def recipe_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> Recipe:
-    """The recipe of a variant."""
+    """Return the recipe of a variant."""
     return draw(kind, seed, number) if recipe is None else recipe
 
 
 def problem_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> "la.Problem":
-    """The problem of a variant."""
+    """Return the problem of a variant."""
     return build(recipe_of(kind, seed, number, recipe))
 
 
 def random_numbers(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> Rng:
-    """Those that judging draws; of a smaller problem the same as of the one it was cut from."""
+    """Return the random numbers of the checks; a reduced problem has those of its original."""
     return random_of(kind, seed, number, "examine")
 
 
 def case_of(kind: str) -> Case:
-    """The case of a class."""
+    """Return the case of a class."""
     return Case(
         id=f"fuzz-{kind}",
         title=f"random problems: {kind}",
@@ -80,7 +80,7 @@ def _band(elements: int, **given: object) -> Band:
 
 
 def runs_of(kinds: list[str], count: int, seed: int) -> list[Run]:
-    """`count` problems, in equal shares of all classes."""
+    """Return runs of `count` problems, in equal shares of all classes."""
     cases = {kind: case_of(kind) for kind in kinds}
     shares = [count // len(kinds) + (n < count % len(kinds)) for n in range(len(kinds))]
     return [
@@ -91,7 +91,7 @@ def runs_of(kinds: list[str], count: int, seed: int) -> list[Run]:
 
 
 def run_of(case: Case, parameters: dict[str, object]) -> Run:
-    """One problem."""
+    """Return the run of one problem."""
     name = f"{parameters['seed']}-{parameters['number']}"
     if "recipe" in parameters:
         name += "-cut"
@@ -99,25 +99,25 @@ def run_of(case: Case, parameters: dict[str, object]) -> Run:
 
 
 def kind_of(run: Run) -> str:
-    """The class of a run."""
+    """Return the class of a run."""
     return run.case.id.removeprefix("fuzz-")
 
 
 def known_kinds() -> list[str]:
-    """All classes."""
+    """Return all classes."""
     return list(CLASSES)
 
 
 def random_of(kind: str, seed: int, number: int, use: str = "") -> Rng:
-    """Random numbers of one problem of a class; `use`: for what, each has its own."""
+    """Return random numbers for one problem of a class; each `use` has its own."""
     return np.random.default_rng([seed, number, zlib.crc32(f"{kind}/{use}".encode())])
 
 
 def draw(kind: str, seed: int, number: int) -> Recipe:
-    """The recipe of problem `number` of a class.
+    """Return the recipe of problem `number` of a class.
 
     Raises:
-        InputError: an unknown class.
+        InputError: the class is unknown.
     """
     require_known("class", kind, CLASSES)
     return CLASSES[kind](random_of(kind, seed, number))

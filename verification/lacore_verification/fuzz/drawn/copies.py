@@ -1,6 +1,6 @@
-"""Copies of recipes whose load factor is known from the first: moved, rescaled, renamed, reordered.
+"""Copies of recipes with a known load factor: moved, rescaled, renamed, reordered.
 
-Each function returns a recipe of its own.
+Each function returns a new recipe.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,23 +15,23 @@ from lacore_verification.fuzz.drawn.recipe import Recipe, copied
 
 _SWAPPED = {"x": "y", "y": "x"}
 _AXES = ("x", "y")
-_ROUGHER = 3.0  # times a coefficient of friction
+_ROUGHER = 3.0  # # Factor on a coefficient of friction.
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A similarity: points go to ``length (turn x + shift)``, vectors are turned."""
+    """A similarity: points go to ``length (turn x + shift)``, vectors are rotated."""
 
     turn: Floats
     shift: Floats
     length: float = 1.0
 
     def point(self, place: Any) -> list[float]:
-        """Return where a point goes."""
+        """Return the image of a point."""
         return [float(c) for c in self.length * (self.turn @ np.array(place) + self.shift)]
 
     def vector(self, given: Any) -> list[float]:
-        """Return a vector that is turned."""
+        """Return a rotated vector."""
         return [float(c) for c in self.turn @ np.array(given)]
 
     def boundary(self, where: Any) -> Any:
@@ -48,7 +48,7 @@ class Motion:
 def moved(recipe: Recipe, motion: Motion) -> Recipe:
     """Return a recipe whose points and vectors have moved.
 
-    Stresses stay: forces per volume are divided by the length, forces multiplied with it.
+    Stresses stay: forces per volume are divided by the length, forces multiplied by it.
     """
     made = copied(recipe)
     for body in made["bodies"].values():
@@ -89,7 +89,7 @@ def _move_interface(pair: dict[str, Any], motion: Motion, of_frame: bool) -> Non
     """Move an interface of a copied recipe; that of a frame is a node of 1 m."""
     law, master = pair["friction"], pair["master"]
     if of_frame and isinstance(law, Mapping) and "tresca" in law:
-        pair["friction"] = {"tresca": motion.length * law["tresca"]}  # a force
+        pair["friction"] = {"tresca": motion.length * law["tresca"]}  # # The limit is a force here.
     pair["slave"] = [pair["slave"][0], motion.boundary(pair["slave"][1])]
     if isinstance(master, list):
         pair["master"] = [master[0], motion.boundary(master[1])]
@@ -116,12 +116,12 @@ def _move_body(body: dict[str, Any], motion: Motion) -> None:
 
 
 def round_one(recipe: Recipe) -> bool:
-    """Whether a body is one of revolution."""
+    """Return whether a body is axisymmetric."""
     return any(body.get("kinematics") == "axisymmetric" for body in recipe["bodies"].values())
 
 
 def turned(recipe: Recipe, rng: Rng) -> Recipe:
-    """By some angle about some point; by quarters where supports name axes."""
+    """Return a recipe rotated about some point; by right angles if supports refer to axes."""
     if round_one(recipe):
         return moved(recipe, Motion(np.eye(2), np.array([0.0, rng.uniform(-10, 10)])))
     named = any(support.get("components") in _AXES for support in recipe["supports"])
@@ -133,13 +133,13 @@ def turned(recipe: Recipe, rng: Rng) -> Recipe:
 
 
 def mirrored(recipe: Recipe, rng: Rng) -> Recipe:
-    """Left and right exchanged; of bodies of revolution top and bottom."""
+    """Return a recipe with left and right exchanged; for axisymmetric bodies top and bottom."""
     signs = np.diag([1.0, -1.0] if round_one(recipe) else [-1.0, 1.0])
     return moved(recipe, Motion(signs, np.zeros(2)))
 
 
 def resized(recipe: Recipe, rng: Rng) -> Recipe:
-    """Of another length, at the same stresses."""
+    """Return a recipe of another length, with the same stresses."""
     return moved(recipe, Motion(np.eye(2), np.zeros(2), float(10.0 ** rng.uniform(-3, 3))))
 
 
@@ -151,11 +151,11 @@ class _NewNames:
     blocks: Mapping[tuple[str, str], str]
 
     def block(self, body: str, name: Any) -> Any:
-        """Return the new name of a block; all else that stands for a boundary stays."""
+        """Return the new name of a block; other boundaries are unchanged."""
         return self.blocks.get((body, name), name) if isinstance(name, str) else name
 
     def inside(self, name: str, body: dict[str, Any]) -> dict[str, Any]:
-        """Return a body whose blocks have their new names."""
+        """Return a body with the new names of its blocks."""
         if body["kind"] != "blocks":
             return body
         return body | {
@@ -167,7 +167,7 @@ class _NewNames:
 
     @classmethod
     def of(cls, recipe: Recipe) -> "_NewNames":
-        """Return names that sort the other way round."""
+        """Return names that sort in reverse order."""
         names = list(recipe["bodies"])
         blocks = {
             (name, block): f"b{len(body['polygons']) - n}"
@@ -179,7 +179,7 @@ class _NewNames:
 
 
 def renamed(recipe: Recipe, rng: Rng) -> Recipe:
-    """Bodies and blocks under other names, which sort the other way round."""
+    """Return a recipe with bodies and blocks under other names, which sort in reverse order."""
     new, made = _NewNames.of(recipe), copied(recipe)
     made["bodies"] = {
         new.bodies[name]: new.inside(name, body) for name, body in made["bodies"].items()
@@ -200,7 +200,7 @@ def renamed(recipe: Recipe, rng: Rng) -> Recipe:
 
 
 def reordered(recipe: Recipe, rng: Rng) -> Recipe:
-    """Bodies, blocks, loads and supports in reverse order; slaves are masters."""
+    """Return bodies, blocks, loads and supports in reverse order, with slaves as masters."""
     made = copied(recipe)
     for body in made["bodies"].values():
         for key in ("polygons", "members", "nodes"):
@@ -216,7 +216,7 @@ def reordered(recipe: Recipe, rng: Rng) -> Recipe:
 
 
 def stronger(recipe: Recipe, factor: float) -> Recipe:
-    """Strengths, limits of friction and dead loads in other units."""
+    """Return strengths, limits of friction and dead loads in other units."""
     made = copied(recipe)
     for body in made["bodies"].values():
         for name in ("strength", "hardening"):
@@ -251,7 +251,7 @@ def _multiply(load: dict[str, Any], factor: float) -> None:
 
 
 def in_units(recipe: Recipe, rng: Rng) -> Recipe:
-    """Stresses, dead and reference loads in other units of pressure."""
+    """Return stresses, dead and reference loads in other units of pressure."""
     factor = float(10.0 ** rng.uniform(-3, 6))
     made = stronger(recipe, factor)
     for load in made["reference"]:
@@ -271,7 +271,7 @@ COPIES: Mapping[str, Callable[[Recipe, Rng], Recipe]] = {
 
 
 def with_law(recipe: Recipe, kind: str) -> Recipe:
-    """Coulomb's law ``associated``, or so and ``rougher``, ``smooth`` or ``stick``."""
+    """Replace Coulomb's law by ``associated``, ``rougher`` (too), ``smooth`` or ``stick``."""
     made = copied(recipe)
 
     def other(law: Any) -> Any:
@@ -290,7 +290,7 @@ def with_law(recipe: Recipe, kind: str) -> Recipe:
 
 
 def has_coulomb(recipe: Recipe) -> bool:
-    """Whether Coulomb's law stands anywhere: else the load factor is one number."""
+    """Return whether Coulomb's law is used: else the load factor is unique."""
     laws = [pair["friction"] for pair in recipe["interfaces"]]
     for body in recipe["bodies"].values():
         if body["kind"] == "blocks" and len(body["polygons"]) > 1:
@@ -299,7 +299,7 @@ def has_coulomb(recipe: Recipe) -> bool:
 
 
 def weakened(recipe: Recipe, factor: float, interfaces: bool) -> Recipe:
-    """Every strength divided by a factor, all loads as reference loads."""
+    """Return every strength divided by a factor, with all loads as reference loads."""
     made = copied(recipe)
     for body in made["bodies"].values():
         if "soil" in body:
@@ -314,14 +314,14 @@ def weakened(recipe: Recipe, factor: float, interfaces: bool) -> Recipe:
 
 
 def _divided(law: Any, factor: float) -> Any:
-    """A friction law with its strength divided; one that sticks stays."""
+    """Return a friction law with its strength divided; stick is unchanged."""
     if isinstance(law, Mapping):
         return {kind: value / factor for kind, value in law.items()}
     return law if isinstance(law, str) else law / factor
 
 
 def strengthened(recipe: Recipe) -> Recipe:
-    """Every strength half as much again, loads as they are: no load factor may fall."""
+    """Return all strengths times 1.5, with the same loads: the load factor must not decrease."""
     made = copied(recipe)
     for body in made["bodies"].values():
         if "strength" in body:

@@ -1,4 +1,4 @@
-"""What all classes draw: numbers of few digits, so that reproducers stay short, and friction."""
+"""Drawing of friction, and of numbers with few digits, so that reproducers stay short."""
 
 from typing import Any
 
@@ -9,22 +9,22 @@ DIGITS = 4
 
 
 def number(rng: Rng, low: float, high: float) -> float:
-    """A number from an interval, of a few digits."""
+    """Return a number from an interval, with few digits."""
     return short(float(rng.uniform(low, high)))
 
 
 def decades(rng: Rng, low: float, high: float) -> float:
-    """A number of any size from 10^low to 10^high."""
+    """Return a number between 10^low and 10^high, with uniform logarithm."""
     return short(10.0 ** float(rng.uniform(low, high)))
 
 
 def short(value: float) -> float:
-    """A number cut to a few digits."""
+    """Return a number rounded to a few digits."""
     return float(f"{value:.{DIGITS}g}")
 
 
 def vector(rng: Rng, size: float = 1.0) -> list[float]:
-    """A vector of any direction, with steep and level ones more often than by chance."""
+    """Return a random vector, often vertical or horizontal."""
     if rng.random() < 0.3:
         axis = [[1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]][rng.integers(4)]
         return [short(size * part) for part in axis]
@@ -33,7 +33,10 @@ def vector(rng: Rng, size: float = 1.0) -> list[float]:
 
 
 def law(rng: Rng, stress: float = 1.0, coulomb: float = 0.5) -> Any:
-    """A friction law; `coulomb`: how often Coulomb's; `stress`, Pa: the size of Tresca limits."""
+    """Return a law.
+
+    `coulomb` is the share of Coulomb's, `stress`, Pa, the size of Tresca limits.
+    """
     if rng.random() < coulomb:
         return number(rng, 0.05, 1.0)
     kind = rng.integers(4)
@@ -45,5 +48,5 @@ def law(rng: Rng, stress: float = 1.0, coulomb: float = 0.5) -> Any:
 
 
 def chosen(rng: Rng, among: Any) -> Any:
-    """One of several."""
+    """Return one of several."""
     return among[int(rng.integers(len(among)))]

@@ -1,4 +1,4 @@
-"""Random assemblies of rigid blocks: ragged courses and arches, of one weight or of ten decades."""
+"""Random assemblies of rigid blocks: ragged courses and arches, of similar or disparate weights."""
 
 from itertools import pairwise
 
@@ -7,18 +7,18 @@ import numpy as np
 from lacore_verification.fuzz.drawn.draw import Rng, chosen, decades, law, number, short, vector
 from lacore_verification.fuzz.drawn.recipe import Recipe
 
-_MOST = 9  # blocks
+_MOST = 9  # # Blocks at most.
 
 
 def blocks(rng: Rng) -> Recipe:
-    """Blocks of one density."""
+    """Return blocks of one density."""
     recipe = _assembly(rng)
     recipe["dead"].append({"load": "BodyForce", "body": "wall", "vector": [0.0, -1.0]})
     return recipe
 
 
 def weights(rng: Rng) -> Recipe:
-    """Blocks whose weights are ten decades apart, by density, by size, or both."""
+    """Return blocks whose weights are ten decades apart, by density, by size, or both."""
     recipe = _assembly(rng, ragged=bool(rng.random() < 0.5))
     polygons = recipe["bodies"]["wall"]["polygons"]
     recipe["dead"] += [
@@ -30,7 +30,7 @@ def weights(rng: Rng) -> Recipe:
 
 
 def _assembly(rng: Rng, ragged: bool = False) -> Recipe:
-    """Blocks on a base, pushed; nothing holds them down yet."""
+    """Return blocks on a base under a push, without dead loads."""
     polygons = _arch(rng) if rng.random() < 0.2 else _courses(rng, ragged)
     free = [name for name in polygons if name != "base"]
     joints = []
@@ -69,7 +69,7 @@ def _assembly(rng: Rng, ragged: bool = False) -> Recipe:
 
 
 def _courses(rng: Rng, ragged: bool) -> dict[str, list[list[float]]]:
-    """Courses between bent lines, cut into blocks by slanted joints; some are left out."""
+    """Return courses between bent lines, cut into blocks by inclined joints; some are omitted."""
     wide = number(rng, 1.0, 4.0)
     rows = int(rng.integers(1, 4))
     lines = [[(0.0, 0.0), (wide, 0.0)]]
@@ -93,7 +93,7 @@ def _courses(rng: Rng, ragged: bool) -> dict[str, list[list[float]]]:
 
 
 def _cuts(rng: Rng, wide: float, count: int, ragged: bool) -> list[tuple[float, float]]:
-    """Where joints of a course begin and end, left to right, both ends included."""
+    """Return the ends of joints of a course, left to right, with both ends of the course."""
     share = 10.0 ** rng.uniform(-2, 0, count) if ragged else rng.uniform(0.5, 1.5, count)
     ends = np.cumsum(share)[:-1] / share.sum() * wide
     room = 0.3 * share.min() / share.sum() * wide
@@ -105,7 +105,7 @@ def _cuts(rng: Rng, wide: float, count: int, ragged: bool) -> list[tuple[float, 
 
 
 def _along(line: list[tuple[float, float]], left: float, right: float) -> list[tuple[float, float]]:
-    """Part of a bent line from left to right."""
+    """Return the part of a bent line from left to right."""
     x, y = np.array(line).T
     inner = [(px, py) for px, py in line if left < px < right]
     ends = [(end, float(np.interp(end, x, y))) for end in (left, right)]
@@ -113,7 +113,7 @@ def _along(line: list[tuple[float, float]], left: float, right: float) -> list[t
 
 
 def _arch(rng: Rng) -> dict[str, list[list[float]]]:
-    """Voussoirs of unequal size between two feet of the base, which is one block."""
+    """Return voussoirs of unequal size between two abutments of the base, which is one block."""
     count = int(rng.integers(2, 6))
     share = rng.uniform(0.5, 1.5, count)
     angles = np.pi - np.pi * np.concatenate([[0], np.cumsum(share)]) / share.sum()
@@ -134,7 +134,7 @@ def _arch(rng: Rng) -> dict[str, list[list[float]]]:
 
 
 def _other_joints(rng: Rng, polygons: dict[str, list[list[float]]]) -> list[list[object]]:
-    """Laws of their own for some of the pairs that follow each other; what is no joint is left."""
+    """Return specific laws for some pairs of consecutive blocks that share a joint."""
     names = list(polygons)
     pairs = [
         pair for pair in pairwise(names) if _share_a_line(polygons[pair[0]], polygons[pair[1]])
@@ -143,5 +143,5 @@ def _other_joints(rng: Rng, polygons: dict[str, list[list[float]]]) -> list[list
 
 
 def _share_a_line(one: list[list[float]], other: list[list[float]]) -> bool:
-    """Whether two polygons have two vertices in common: then they have a joint."""
+    """Return whether two polygons have two common vertices: then they have a joint."""
     return len({tuple(p) for p in one} & {tuple(p) for p in other}) >= 2

@@ -16,8 +16,8 @@ _SPACES = {
     "axisymmetric": ("p2-gauss", "q2"),
 }
 _PLAIN = [[1.0, 0.0], [0.0, 1.0]]
-_STEEPEST_CHORD = 0.6  # radians: chords of the outer arc stay clear of the inner one
-_FAR = 3  # decades by which strengths and loads may differ
+_STEEPEST_CHORD = 0.6  # # Radians, so that chords of the outer arc stay clear of the inner one.
+_FAR = 3  # # Decades by which strengths and loads may differ.
 
 
 def _continuum(rng: Rng, kinematics: str, x: Any, y: Any, space: str = "") -> dict[str, Any]:
@@ -43,12 +43,12 @@ def _continuum(rng: Rng, kinematics: str, x: Any, y: Any, space: str = "") -> di
 
 
 def _slanted(rng: Rng) -> list[list[float]]:
-    """A map that shears and stretches a body."""
+    """Return a map that shears and stretches a body."""
     return [[1.0, number(rng, -0.5, 0.5)], [number(rng, -0.2, 0.2), number(rng, 0.5, 1.5)]]
 
 
 def one_body(rng: Rng, kinematics: str) -> Recipe:
-    """A block with supports, obstacles, loads as they come."""
+    """Return a block with random supports, obstacles and loads."""
     round_ = kinematics == "axisymmetric"
     inner = chosen(rng, (0.0, 0.5)) if round_ else 0.0
     size = number(rng, 0.5, 2.0)
@@ -74,7 +74,7 @@ def one_body(rng: Rng, kinematics: str) -> Recipe:
         )
         dead.append({"load": "BodyForce", "body": "block", "vector": push})
     if rng.random() < 0.4:
-        # On any side, also on those that supports and obstacles hold, which then take the load.
+        # # Any side may be loaded, also one on supports or obstacles, which then take the load.
         where = chosen(rng, [loaded, *rest, *sides] if rng.random() < 0.5 else [loaded, *rest])
         where, pressure = str(where), number(rng, 0.1, 0.8)
         own: dict[str, Any] = {"load": "Pressure", "value": pressure}
@@ -92,7 +92,7 @@ def one_body(rng: Rng, kinematics: str) -> Recipe:
 
 
 def _of_any_size(rng: Rng, recipe: Recipe) -> Recipe:
-    """Strengths and loads in units of their own: what is asked for is a ratio of them."""
+    """Return strengths and loads in random units: the load factor is a ratio of them."""
     if rng.random() < 0.3:
         factor = decades(rng, -_FAR, 2 * _FAR)
         for body in recipe["bodies"].values():
@@ -148,7 +148,7 @@ axisymmetric = partial(one_body, kinematics="axisymmetric")
 
 
 def soils(rng: Rng) -> Recipe:
-    """A soil whose cohesion, angle, cut-offs and weight all vary, with loads as they come."""
+    """Return a soil with varying cohesion, angle, cut-offs and weight, and random loads."""
     recipe = one_body(rng, "plane_strain")
     block = recipe["bodies"]["block"]
     if not recipe["supports"] and rng.random() < 0.7:
@@ -157,7 +157,7 @@ def soils(rng: Rng) -> Recipe:
     if block["space"] == "q2":
         block["mesh"]["cut"] = "crossed"
     cut = rng.random() < 0.5
-    # Cut-offs make jumps of velocities refused, and all soils lock with constant strains.
+    # # Velocity jumps do not support cut-offs, and all soils lock with constant strains.
     block["space"] = chosen(rng, _TRIANGLES[:2] if cut else _TRIANGLES[:4])
     block["soil"] = {
         "angle": number(rng, 5.0, 40.0),
@@ -172,14 +172,14 @@ def soils(rng: Rng) -> Recipe:
 
 
 def _slope(rng: Rng) -> list[float]:
-    """A relative slope, or none, for a body that is at most 2 m long."""
+    """Return a relative slope, or none, for a body that is at most 2 m long."""
     if rng.random() < 0.3:
         return [0.0, 0.0]
     return [number(rng, -0.2, 0.2), number(rng, -0.2, 0.2)]
 
 
 def arcs(rng: Rng) -> Recipe:
-    """Part of a ring that a rigid pile, smooth or rough, pushes along its inner or outer arc."""
+    """Return a part of a ring that a rigid smooth or rough pile pushes along one of its arcs."""
     inner = number(rng, 0.5, 1.5)
     body = _continuum(rng, "plane_strain", (inner, inner + number(rng, 0.3, 1.5)), (0.0, 1.0),
                       chosen(rng, _TRIANGLES[:4]))  # fmt: skip
@@ -210,7 +210,7 @@ def arcs(rng: Rng) -> Recipe:
 
 
 def two_bodies(rng: Rng) -> Recipe:
-    """A body on another one, on meshes that need not match."""
+    """Return a body on another one, on meshes that need not match."""
     kinematics = chosen(rng, ("plane_strain", "plane_strain", "plane_stress"))
     wide = number(rng, 1.0, 2.0)
     left = number(rng, 0.0, 0.5) if rng.random() < 0.5 else 0.0
@@ -220,7 +220,7 @@ def two_bodies(rng: Rng) -> Recipe:
     sides = [["upper", "bottom"], ["lower", "top"]]
     if rng.random() < 0.5:
         sides = sides[::-1]
-    # Obstacles and supports never meet the interface at a corner of the upper body.
+    # # Obstacles and supports never meet the interface at a corner of the upper body.
     supports = [{"body": "lower", "where": "bottom", "components": chosen(rng, ("xy", "normal"))}]
     if supports[0]["components"] == "normal":
         supports.append({"body": "lower", "where": "left", "components": "xy"})
@@ -240,7 +240,7 @@ def two_bodies(rng: Rng) -> Recipe:
 
 
 def mixtures(rng: Rng) -> Recipe:
-    """Rigid blocks on a continuum that may yield under them."""
+    """Return rigid blocks on a continuum that may yield under them."""
     soil = _continuum(rng, "plane_strain", (0.0, 3.0), (-1.0, 0.0), chosen(rng, _TRIANGLES[:4]))
     soil["strength"] = decades(rng, -1, 4)
     left, right = number(rng, 0.3, 1.2), number(rng, 1.8, 2.7)
@@ -295,7 +295,7 @@ def mixtures(rng: Rng) -> Recipe:
 
 
 def paths(rng: Rng) -> Recipe:
-    """A block pressed between smooth or rough platens, in a few steps."""
+    """Return a block pressed between smooth or rough platens, in a few steps."""
     kinematics = chosen(rng, ("plane_strain", "axisymmetric"))
     inner = chosen(rng, (0.0, 0.5)) if kinematics == "axisymmetric" else 0.0
     space = chosen(rng, ("p2-gauss", "q2"))
@@ -330,6 +330,6 @@ def paths(rng: Rng) -> Recipe:
 
 
 def cells(recipe: Recipe) -> int:
-    """Cells of all meshes of a recipe."""
+    """Return the number of cells of all meshes of a recipe."""
     meshes = [body["mesh"] for body in recipe["bodies"].values() if body["kind"] == "continuum"]
     return int(np.sum([mesh["nx"] * mesh["ny"] for mesh in meshes]))

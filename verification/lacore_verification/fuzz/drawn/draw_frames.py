@@ -1,4 +1,4 @@
-"""Random frames: bays and storeys of unequal members on feet of any kind."""
+"""Random frames: bays and storeys of unequal members on all kinds of supports."""
 
 from typing import Any
 
@@ -7,12 +7,13 @@ from lacore_verification.fuzz.drawn.recipe import Recipe
 
 
 def frames(rng: Rng) -> Recipe:
-    """A portal of one or two bays and storeys under forces at nodes and along members.
+    """Return a frame of one or two bays and storeys under forces at nodes and along members.
 
-    Some are regular: all bays, storeys, columns and beams alike.
+    Some are regular: all bays, storeys, columns and beams are equal.
     """
     bays, storeys = int(rng.integers(1, 3)), int(rng.integers(1, 3))
-    regular = bool(rng.random() < 0.3)  # many mechanisms, and stresses, at one load factor
+    # # Regular frames have many mechanisms and stresses at one load factor.
+    regular = bool(rng.random() < 0.3)
     nodes = _grid(rng, bays, storeys, regular)
     members = _members(bays, storeys)
     if rng.random() < 0.2:
@@ -38,7 +39,7 @@ def frames(rng: Rng) -> Recipe:
 
 
 def sections(rng: Rng) -> Recipe:
-    """A frame of rectangular sections, whose axial forces and moments interact, under forces."""
+    """Return a frame of rectangular sections with interaction of axial force and moment."""
     recipe = frames(rng)
     frame = recipe["bodies"]["frame"]
     moments = frame.pop("plastic_moment")
@@ -64,7 +65,7 @@ def sections(rng: Rng) -> Recipe:
 
 
 def _grid(rng: Rng, bays: int, storeys: int, regular: bool) -> dict[str, list[float]]:
-    """Nodes of bays and storeys; some have a first column that leans."""
+    """Return the nodes of bays and storeys; some have an inclined first column."""
     wide, high = number(rng, 1.0, 4.0), number(rng, 1.0, 3.0)
     x, y = [0.0], [0.0]
     for _ in range(bays):
@@ -80,7 +81,7 @@ def _grid(rng: Rng, bays: int, storeys: int, regular: bool) -> dict[str, list[fl
 
 
 def _members(bays: int, storeys: int) -> dict[str, list[str]]:
-    """Columns and beams between the nodes."""
+    """Return columns and beams between the nodes."""
     return {
         f"c{i}{j}": [f"n{i}{j}", f"n{i}{j + 1}"] for i in range(bays + 1) for j in range(storeys)
     } | {
@@ -99,7 +100,7 @@ def _pressed_beam(rng: Rng, members: dict[str, list[str]]) -> dict[str, Any]:
 def _held(
     rng: Rng, feet: list[str], upper: list[str]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[dict[str, Any]]]:
-    """Supports or frictional contact of the feet, and dead loads that press them down."""
+    """Return supports or frictional contact of the feet, and dead loads that press them down."""
     supports: list[dict[str, Any]] = []
     interfaces: list[dict[str, Any]] = []
     dead: list[dict[str, Any]] = []
@@ -133,7 +134,7 @@ def _held(
 def _force(
     rng: Rng, nodes: dict[str, list[float]], members: dict[str, list[str]], upper: list[str]
 ) -> dict[str, Any]:
-    """A force at a node, or downwards somewhere on a beam."""
+    """Return a force at a node, or a downward one on a beam."""
     if rng.random() < 0.6:
         at: Any = chosen(rng, upper)
         return {"load": "PointForce", "body": "frame", "at": at, "vector": vector(rng)}

@@ -1,7 +1,7 @@
 """Random paths of two deformable bodies, and of rigid tools that move.
 
-A recipe with a ``fact`` has a load that is known in closed form, see
-`lacore_verification.fuzz.checks.path_facts`; only its meshes may be cut.
+A recipe with a ``fact`` has a load in closed form, see
+`lacore_verification.fuzz.checks.path_facts`; only its meshes may be reduced.
 """
 
 from typing import Any
@@ -54,12 +54,15 @@ def _footing(body: str, where: str, direction: list[float]) -> dict[str, Any]:
 
 
 def pairs(rng: Rng) -> Recipe:
-    """Two deformable bodies: a stack, a narrow block on a wide one, a sled, or one that yields."""
+    """Return two deformable bodies.
+
+    A stack, a narrow block on a wide one, a sled, or a weak one.
+    """
     return chosen(rng, (_stack, _narrow, _sled, _yielding))(rng)  # type: ignore[no-any-return]
 
 
 def _stack(rng: Rng) -> Recipe:
-    """Two blocks of one material and width, with any friction between them."""
+    """Return two blocks of one material and width, with any friction between them."""
     width, low, high = number(rng, 0.5, 2.0), number(rng, 0.3, 1.0), number(rng, 0.3, 1.0)
     metal = number(rng, 0.5, 2.0), number(rng, 0.2, 2.0)
     friction = law(rng, metal[0])
@@ -80,7 +83,7 @@ def _stack(rng: Rng) -> Recipe:
 
 
 def _narrow(rng: Rng) -> Recipe:
-    """A soft block on a wide strong one, smooth: it flows alone."""
+    """Return a soft block on a wide strong one, smooth: only the soft one flows."""
     width, low, high = number(rng, 0.5, 1.5), number(rng, 0.3, 1.0), number(rng, 0.3, 1.0)
     strength, hardening = number(rng, 0.5, 1.0), number(rng, 0.1, 1.0)
     wide = width * number(rng, 1.3, 2.0)
@@ -99,7 +102,7 @@ def _narrow(rng: Rng) -> Recipe:
 
 
 def _sled(rng: Rng) -> Recipe:
-    """A strong block under pressure that is pushed along a wide one."""
+    """Return a strong block under pressure that is pushed along a wide one."""
     recipe = _yielding(rng)
     for body in recipe["bodies"].values():
         body["strength"] = number(rng, 5.0, 20.0)
@@ -111,14 +114,14 @@ def _sled(rng: Rng) -> Recipe:
 
 
 def _yielding(rng: Rng) -> Recipe:
-    """The same of any strength: it slides, or shears, or both."""
+    """Return such a block of any strength: it slides, shears, or both."""
     left, long = number(rng, 0.0, 0.5), number(rng, 0.6, 1.5)
     strength = number(rng, 0.5, 2.0)
     friction = law(rng, strength)
     if isinstance(friction, dict) and "associated" in friction:
         friction = friction["associated"]
     if friction == "smooth":
-        friction = 0.05  # nothing else would hold the upper block
+        friction = 0.05  # # Nothing else would hold the upper block.
     lower = _body(rng, (0.0, 3.0), (0.0, 0.5), strength, number(rng, 0.2, 2.0))
     upper = _body(rng, (left, left + long), (0.5, 0.5 + number(rng, 0.3, 0.6)), strength, 1.0)
     return {
@@ -137,7 +140,7 @@ def _yielding(rng: Rng) -> Recipe:
 
 
 def tools(rng: Rng) -> Recipe:
-    """A block between two rigid platens of given velocities, smooth or not."""
+    """Return a block between two rigid platens of given velocities, smooth or not."""
     width, high = number(rng, 0.5, 2.0), number(rng, 0.5, 1.5)
     closing, common = number(rng, 0.5, 2.0), number(rng, -1.0, 1.0)
     share = number(rng, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Short paths: that they end, and that their loads are those of limit problems."""
+"""Short paths: they must end, and their loads must be those of limit problems."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,13 +17,15 @@ from lacore_verification.fuzz.drawn.draw import Rng, chosen
 from lacore_verification.fuzz.drawn.recipe import Recipe, build
 from lacore_verification.fuzz.solving import told
 
-_SAME = ("turned", "mirrored", "reordered")  # copies of the same forces; reordered: slaves, too
-_GROWTH = 0.05  # of the volume in a few steps of some hundredths: more is no flow of this kind
+# # Copies with the same forces; reordering also exchanges slaves.
+_SAME = ("turned", "mirrored", "reordered")
+# # Relative to the volume, in a few steps of some hundredths: larger changes are errors.
+_GROWTH = 0.05
 
 
 @dataclass(frozen=True)
 class PathAnswer:
-    """How a path ended, and what is wrong with it."""
+    """Status of a path, and its failure, if any."""
 
     status: str
     load_factor: float
@@ -32,16 +34,16 @@ class PathAnswer:
 
 
 def examine_path(recipe: Recipe, rng: Rng) -> PathAnswer:
-    """Follow a recipe along its path and judge each load; `rng` draws a copy of it."""
+    """Follow a recipe along its path and check each load; `rng` draws a copy of it."""
     try:
         path = follow(recipe)
         begin = la.solve(build(recipe))
     except LacoreError as error:
         return PathAnswer("refused", nan, str(error))
-    except Exception as error:  # anything else is a find
+    except Exception as error:  # # Any other error is a failure.
         return PathAnswer("exception", nan, told(error), Wrong("exception", told(error)))
     reached = path.status is Ending.REACHED
-    # How a path ends is no status of a load: of one that ends early none is proven for its travel.
+    # # The end of a path is no status of a load: one that ends early has no proven load there.
     status = (la.Status.SOLVED if reached else la.Status.NOT_CERTIFIED).label
     history = path.history
     load = float(history["load_factor"].iloc[-1]) if reached else nan
@@ -52,10 +54,10 @@ def examine_path(recipe: Recipe, rng: Rng) -> PathAnswer:
 
 
 def follow(recipe: Recipe) -> la.Path:
-    """The path of a recipe.
+    """Return the path of a recipe.
 
     Raises:
-        InputError: what lacore refuses.
+        InputError: lacore rejects the recipe.
     """
     settings = {name: value for name, value in recipe["path"].items() if name != "tools"}
     if tools := recipe["path"].get("tools"):
@@ -64,17 +66,17 @@ def follow(recipe: Recipe) -> la.Path:
 
 
 def _of_several(recipe: Recipe) -> bool:
-    """Whether bodies may touch each other."""
+    """Return whether bodies may touch each other."""
     return any(isinstance(pair["master"], list) for pair in recipe["interfaces"])
 
 
 def _copy(recipe: Recipe, path: la.Path, rng: Rng) -> Iterator[Wrong]:
-    """Moved, or with the sides of its interfaces exchanged, it takes the same forces.
+    """Yield a failure if a copy, moved or with slaves as masters, takes other forces.
 
     With Coulomb friction the last limit problem of the copy is compared instead: its load is that
     of the problem as drawn on the bodies of the copy. The iteration of an implicit step ends there
-    with displacements that are uncertain by a hundred thousandth of the body, and forces differ by
-    some times as much.
+    with displacements that are uncertain by 1e-5 of the size of the body, and forces differ by a
+    multiple of that.
     """
     name = chosen(rng, _SAME)
     coulomb = has_coulomb(recipe)
@@ -96,7 +98,7 @@ def _copy(recipe: Recipe, path: la.Path, rng: Rng) -> Iterator[Wrong]:
 def _wrong(recipe: Recipe, path: la.Path, begin: la.LimitState) -> Wrong | None:
     history = path.history
     if history.empty and _of_several(recipe):
-        return None  # nothing is claimed; of one body there must be a first step
+        return None  # # Nothing is required here; with one body there must be a first step.
     if history.empty:
         solved = begin.status is la.Status.SOLVED
         return Wrong("first step", "none, of a problem that is solved") if solved else None

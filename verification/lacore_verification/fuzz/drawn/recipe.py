@@ -1,11 +1,12 @@
-"""From a recipe to its problem: plain data, so that it can be drawn, copied, cut and kept.
+"""From a recipe to its problem: plain data that can be drawn, copied, reduced and stored.
 
 A recipe has ``bodies`` by name, and lists ``reference``, ``dead``, ``supports``, ``interfaces``:
-each entry the arguments of the class it names, boundaries as names or as a line of two points.
+each entry has the arguments of the class it names, boundaries as names or as a line of two points.
 That of a path has ``path``: the arguments of `lacore.sequential`, and velocities of ``tools``.
 """
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+# # Annotations are not evaluated: names of lacore in them load nothing.
+from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
@@ -25,20 +26,20 @@ if TYPE_CHECKING:
 
 Recipe = dict[str, Any]
 LISTS = ("reference", "dead", "supports", "interfaces")
-_NEAR = 1e-7  # of the length of a line: coordinates that were turned agree to this
+_NEAR = 1e-7  # # Relative to the length of a line: tolerance for rotated coordinates.
 LOADS = ("Traction", "Pressure", "BodyForce", "PointForce", "RigidFooting")
 
 
 @dataclass(frozen=True)
 class OnLine:
-    """Which places (2, n) lie on a straight line between two points, m."""
+    """Predicate for places (2, n) on a straight line between two points, m."""
 
     start: tuple[float, float]
     end: tuple[float, float]
     __name__: str = "line"
 
     def __call__(self, places: Floats) -> Bools:
-        """A predicate as boundaries take it."""
+        """Return whether places are on the line, as boundaries require."""
         start, end = np.reshape(self.start, (2, 1)), np.reshape(self.end, (2, 1))
         length = np.linalg.norm(end - start)
         along = (end - start) / length
@@ -49,21 +50,21 @@ class OnLine:
 
 
 def as_text(recipe: Recipe) -> str:
-    """A recipe as JSON, the same for equal ones."""
+    """Return a recipe as JSON, the same for equal ones."""
     return json.dumps(recipe, sort_keys=True)
 
 
 def copied(recipe: Recipe) -> Recipe:
-    """A recipe of its own, to be changed."""
+    """Return a copy of a recipe, to be changed."""
     made: Recipe = json.loads(as_text(recipe))
     return made
 
 
 def build(recipe: Mapping[str, Any]) -> la.Problem:
-    """The problem of a recipe.
+    """Return the problem of a recipe.
 
     Raises:
-        InputError: what lacore refuses.
+        InputError: lacore rejects the recipe.
     """
     return la.Problem(
         bodies={name: body_of(data) for name, data in recipe["bodies"].items()},
@@ -85,7 +86,10 @@ def build(recipe: Mapping[str, Any]) -> la.Problem:
 
 
 def law_of(data: Any) -> Any:
-    """A friction law: a coefficient, ``{"associated": mu}``, ``{"tresca": limit}``, or a word."""
+    """Return a friction law: a coefficient, ``{"associated": mu}``, ``{"tresca".
+
+    Limit}``, or a word.
+    """
     if isinstance(data, Mapping):
         ((kind, value),) = data.items()
         return la.Tresca(value) if kind == "tresca" else la.Coulomb(value, associated=True)
@@ -97,7 +101,7 @@ def law_of(data: Any) -> Any:
 
 
 def where_of(data: Any, name: str = "line") -> Any:
-    """A name, names, or a line between two points."""
+    """Return a name, names, or a line between two points."""
     if isinstance(data, str) or data is None:
         return data
     if isinstance(data[0], str):
@@ -107,7 +111,7 @@ def where_of(data: Any, name: str = "line") -> Any:
 
 
 def master_of(data: Any) -> Any:
-    """A rigid obstacle of the shape of what touches it, a plane one, or a side of another body."""
+    """Return a rigid obstacle as the slave's shape, a plane obstacle, or a side of another body."""
     if data is None:
         return la.RigidObstacle()
     if isinstance(data, Mapping):
@@ -116,12 +120,12 @@ def master_of(data: Any) -> Any:
 
 
 def side_of(data: Sequence[Any], name: str) -> tuple[str, Any]:
-    """Body and boundary of one side of an interface."""
+    """Return body and boundary of one side of an interface."""
     return data[0], where_of(data[1], name)
 
 
 def load_of(data: Mapping[str, Any]) -> Any:
-    """A load from its class and arguments."""
+    """Return a load from its class and arguments."""
     given = {name: value for name, value in data.items() if name not in ("load", "growth")}
     if "where" in given:
         given["where"] = where_of(given["where"])
@@ -139,7 +143,7 @@ def load_of(data: Mapping[str, Any]) -> Any:
 
 
 def body_of(data: Mapping[str, Any]) -> Any:
-    """A body: a continuum on a mapped rectangle, blocks, or a frame."""
+    """Return a body: a continuum on a mapped rectangle, blocks, or a frame."""
     if data["kind"] == "continuum":
         strength, slope = data["strength"], data.get("hardening")
         metal: Any = la.VonMises(shear_strength=strength)
@@ -166,7 +170,7 @@ def body_of(data: Mapping[str, Any]) -> Any:
 
 
 def _sections_of(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Rectangular sections of a frame, by member, with polygons in or around their yield curves."""
+    """Return rectangular sections by member, with polygons in or around their yield curves."""
     return {
         member: la.sections.rectangle(width, height, stress, polygon=data["polygon"])
         for member, (width, height, stress) in data["sections"].items()
@@ -206,7 +210,7 @@ class Soil:
         )
 
     def at(self, name: str, places: Floats) -> Floats:
-        """Cohesion, angle in degrees or a cut-off, Pa, at places (2, ...)."""
+        """Return cohesion, angle in degrees or a cut-off, Pa, at places (2, ...)."""
         flat: Floats = np.asarray(self._linear(name)(places.reshape(2, -1)))
         values: Floats = flat.reshape(places.shape[1:])
         divisor = self.data["soil"].get("divisor", 1.0)
@@ -215,7 +219,7 @@ class Soil:
         return np.asarray(np.degrees(np.arctan(np.tan(np.radians(values)) / divisor)))
 
     def _linear(self, name: str) -> la.Linear:
-        """A strength, divided, or the angle as stated."""
+        """Return a strength, divided, or the angle without division."""
         soil, mesh = self.data["soil"], self.data["mesh"]
         value = soil["angle"]
         if name != "angle":
@@ -226,14 +230,14 @@ class Soil:
 
 
 def force_density(load: Mapping[str, Any], places: Floats) -> Floats:
-    """A body force at places (2, cells, q), N/m^3, of the same shape."""
+    """Return a body force at places (2, cells, q), N/m^3, of the same shape."""
     growth, at = (np.array(load.get(name, (0.0, 0.0)), dtype=float) for name in ("growth", "at"))
     factor = 1 + np.tensordot(growth, places - at[:, None, None], 1)
     return np.asarray(np.array(load["vector"], dtype=float)[:, None, None] * factor)
 
 
 def mesh_of(data: Mapping[str, Any]) -> MeshTri | MeshQuad:
-    """A mesh of a rectangle, its points mapped by ``map`` (2, 2) and ``shift``.
+    """Return a mesh of a rectangle, its points mapped by ``map`` (2, 2) and ``shift``.
 
     If ``polar`` is set, x and y of the rectangle are radii and angles.
     """
@@ -250,9 +254,9 @@ def mesh_of(data: Mapping[str, Any]) -> MeshTri | MeshQuad:
     points = matrix @ points + shift
     if np.linalg.det(matrix) > 0:
         made = type(mesh)(points, cells)
-    else:  # a mirror turns the sense of each element
+    else:  # # A reflection inverts the orientation of each element.
         made = type(mesh)(points, cells[[0, 2, 1] if len(cells) == 3 else [0, 3, 2, 1]])
-    # Facets may be numbered anew: they are found again by their ends.
+    # # Facets may have new numbers: they are identified by their ends.
     known = {tuple(sorted(pair)): number for number, pair in enumerate(made.facets.T.tolist())}
     pairs = mesh.facets.T.tolist()
     return made.with_boundaries(

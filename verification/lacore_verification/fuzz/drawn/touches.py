@@ -1,6 +1,6 @@
-"""Contact points as a state shows them, beside the laws and the parts that the recipe says.
+"""Contact points of a state, with laws and parts of the recipe.
 
-Of lacore only the table `LimitState.reactions` is read.
+Only the table `LimitState.reactions` of lacore is read.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,8 +17,8 @@ from lacore_verification.fuzz.drawn.recipe import Recipe
 Part = tuple[str, str]
 """A body and, of an assembly, a block; ``("", "")`` is an obstacle."""
 OBSTACLE: Part = ("", "")
-_NEAR = 1e-6  # of the length between two points
-_RESTS = 1e-6  # of the largest velocity: below it what sticks is at rest
+_NEAR = 1e-6  # # Relative to the distance between two points.
+_RESTS = 1e-6  # # Relative to the largest velocity: below it a sticking point is at rest.
 _WORDS = {"smooth": (0.0, 0.0, 0.0), "stick": (0.0, inf, 0.0)}
 
 
@@ -27,11 +27,11 @@ class Touches:
     """Contact points, arrays of shape (m,) or (m, 2).
 
     Attributes:
-        slave, master: who touches whom.
+        slave, master: parts in contact.
         place, normal: m, the normal from master into slave.
         length: share of the edge, m (m^2).
-        force_n, force_t: on the slave, N/m; the tangent is the normal turned by +90 degrees.
-        opening, slip: as the table has them, m/s.
+        force_n, force_t: on the slave, N/m; the tangent is the normal rotated by +90 degrees.
+        opening, slip: from the table, m/s.
         mu, limit, dilatancy: of the law, limit as a force, N/m.
         half: from a control value in the middle of an edge to one of its ends, else 0, m.
     """
@@ -61,18 +61,21 @@ class Touches:
         return self.force_n[:, None] * self.normal + self.force_t[:, None] * self.tangent
 
     def of(self, part: Part) -> Floats:
-        """+1 where a part is the slave, -1 where it is the master, else 0."""
+        """Return +1 where a part is the slave, -1 where it is the master, else 0."""
         sign = [(s == part) - (m == part) for s, m in zip(self.slave, self.master, strict=True)]
         return np.array(sign, dtype=float)
 
     def control_values(self, field: Callable[[Floats], Floats]) -> Floats:
-        """Bernstein's, of a field of places (2, n) that is quadratic along edges, (m, 2)."""
+        """Return Bernstein control values of a field of places (2, n), quadratic along edges.
+
+        The shape is (m, 2).
+        """
         ends = field((self.place + self.half).T) + field((self.place - self.half).T)
         return np.asarray(2 * field(self.place.T) - ends / 2).T
 
 
 def touches(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Touches:
-    """The contact points of a state."""
+    """Return the contact points of a state."""
     table = state.reactions
     sides = _sides(recipe, problem)
     names = [str(name).split("#")[0] for name in table["interface"]]
@@ -102,7 +105,7 @@ def touches(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Touche
 
 
 def law_terms(law: Any) -> tuple[float, float, float]:
-    """Coefficient, limit (Pa) and dilatancy of a law of a recipe."""
+    """Return coefficient, limit (Pa) and dilatancy of a law of a recipe."""
     if isinstance(law, str):
         return _WORDS[law]
     if isinstance(law, Mapping):
@@ -114,7 +117,7 @@ def law_terms(law: Any) -> tuple[float, float, float]:
 def _sides(
     recipe: Recipe, problem: la.Problem
 ) -> dict[str, tuple[Part, Part, tuple[float, float, float]]]:
-    """Slave, master and law by the name that the table has."""
+    """Return slave, master and law by the interface name in the table."""
     known = {}
     for data, interface in zip(recipe["interfaces"], problem.interfaces, strict=True):
         master = data["master"]
@@ -136,7 +139,7 @@ def _sides(
 
 
 def part_of(recipe: Recipe, side: list[Any]) -> Part:
-    """Who has a boundary: a body, or the block that both ends of a line are corners of."""
+    """Return the part with a boundary: a body, or the block that has both ends of a line."""
     body, where = side
     data = recipe["bodies"][body]
     if data["kind"] != "blocks":
@@ -153,7 +156,7 @@ def part_of(recipe: Recipe, side: list[Any]) -> Part:
 def _yielding(
     recipe: Recipe, known: list[tuple[Part, Part, Any]], limit: Floats, slips: Bools
 ) -> Floats:
-    """Limits where what sticks may slip: bodies yield beside a contact, at their own strength."""
+    """Return limits where sticking contact may slip, as bodies yield at their own strength."""
     strength = np.array(
         [
             min(
@@ -173,10 +176,12 @@ def _half_edges(
     place: Floats,
     normal: Floats,
 ) -> Floats:
-    """From points in the middle of an edge to one end, 0 for points at ends, (m, 2).
+    """Return vectors from points in the middle of an edge to one end, 0 for points at ends.
 
-    What is no vertex of either side is in the middle, and the nearest vertices on its line are the
-    ends: edges of two bodies are cut where the other has a vertex.
+    The shape is (m, 2).
+
+    A point that is no vertex of either side is in the middle, and the nearest vertices on its line
+    are the ends: edges of two bodies are cut where the other has a vertex.
     """
     half = np.zeros_like(place)
     for number, pair in enumerate(parts):
@@ -191,7 +196,7 @@ def _half_edges(
 
 
 def _corners(recipe: Recipe, problem: la.Problem, part: Part) -> Floats:
-    """Vertices of a part, (k, 2)."""
+    """Return the vertices of a part, (k, 2)."""
     body, block = part
     if not body:
         return np.zeros((0, 2))

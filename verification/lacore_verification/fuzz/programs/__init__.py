@@ -1,5 +1,5 @@
-"""Random programs of all classes that backends see, of any size, and what their answers are worth.
+"""Random programs of all classes and sizes, and checks of the answers of backends.
 
-A program is a pure function of seed, family and number. Answers are judged by residuals and gaps
-that are recomputed, words by proofs or by another backend; never by what a solver says of itself.
+A program is a pure function of seed, family and number. Answers are checked by residuals and gaps
+that are recomputed, statuses by proofs or by another backend; never by reports of the solver.
 """

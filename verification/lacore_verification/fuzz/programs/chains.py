@@ -1,4 +1,4 @@
-"""Programs of random rows without a mesh: every kind of cone and contact that a backend knows."""
+"""Programs of random rows without a mesh: all cones and contacts that backends support."""
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -7,14 +7,14 @@ from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 from lacore_verification.fuzz.drawn.draw import Rng
 
-_FAR = 12  # nodes back that a cone ties to
+_FAR = 12  # # Largest distance in node numbers between nodes of a cone.
 
 
 def chains(rng: Rng, size: int) -> tuple[KinematicProgram, FrozenContact]:
-    """Nodes of two or three velocities, each tied to nodes before it by cones of random rows.
+    """Return nodes of two or three velocities, coupled to previous nodes by cones of random rows.
 
-    Some harden, a few keep a volume; some nodes touch obstacles that rub, stick, dilate or are a
-    way off.
+    Some harden, a few keep a volume; some nodes touch obstacles with friction, stick, dilatancy or
+    a gap.
     """
     dim = int(rng.integers(2, 4))
     count = max(size // dim, 2)
@@ -33,7 +33,7 @@ def chains(rng: Rng, size: int) -> tuple[KinematicProgram, FrozenContact]:
 
 
 def _ties(rng: Rng, count: int, dim: int, rows: int, n: int) -> DissipationGroup:
-    """A cone at each node, on it and a node before, or the ground."""
+    """Return a cone at each node, on it and a previous one, or the ground."""
     node = np.arange(count)
     back = node - rng.integers(1, _FAR, count)
     volumes = rng.uniform(size=count) < 0.1
@@ -50,7 +50,7 @@ def _ties(rng: Rng, count: int, dim: int, rows: int, n: int) -> DissipationGroup
 
 
 def _touching(rng: Rng, count: int, dim: int, n: int) -> ContactRows:
-    """Every few nodes an obstacle, square to a random normal."""
+    """Return contact of some nodes with obstacles, with random normals."""
     node = np.flatnonzero(rng.uniform(size=count) < 0.2)
     frames = np.linalg.qr(rng.normal(size=(node.size, dim, dim)))[0]
     columns = dim * node[:, None] + np.arange(dim)
@@ -71,7 +71,10 @@ def _touching(rng: Rng, count: int, dim: int, n: int) -> ContactRows:
 
 
 def _between(rng: Rng, node: Ints, back: Ints, dim: int, rows: int, n: int) -> Sparse:
-    """Random rows of the difference of two nodes; of the node alone where there is none before."""
+    """Return random rows of the difference of two nodes.
+
+    Of the node alone without a previous one.
+    """
     turns = rng.normal(size=(node.size, rows, dim))
     columns = np.repeat((dim * node[:, None] + np.arange(dim))[:, None], rows, axis=1)
     own = _placed(turns.reshape(-1, dim), columns.reshape(-1, dim), n)
@@ -82,7 +85,7 @@ def _between(rng: Rng, node: Ints, back: Ints, dim: int, rows: int, n: int) -> S
 
 
 def _placed(values: Floats, columns: Ints, n: int) -> Sparse:
-    """Rows with such values in such columns, both of shape (rows, k)."""
+    """Return rows with given values in given columns, both of shape (rows, k)."""
     row = np.repeat(np.arange(len(values)), values.shape[1])
     made: Sparse = csr_matrix((values.ravel(), (row, columns.ravel())), (len(values), n))
     made.eliminate_zeros()

@@ -1,4 +1,4 @@
-"""Programs from random problems: bodies of every kind on meshes as fine as asked for."""
+"""Programs from random problems: bodies of every kind on meshes of a given fineness."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -26,8 +26,8 @@ from lacore_verification.fuzz.drawn.recipe import Recipe, build
 from lacore_verification.fuzz.programs.chains import chains
 from lacore_verification.fuzz.programs.made import assembly_in_space, grid_frame, solid, wall
 
-_TRIES = 40  # draws until lacore refuses none
-_FINEST = 200  # cells along an edge
+_TRIES = 40  # # Draws until lacore accepts one.
+_FINEST = 200  # # Cells along an edge.
 _UNIT = ("plane_strain", "plane_strain", "plane_stress", "axisymmetric")
 
 
@@ -43,20 +43,23 @@ Family = Callable[[Rng, int], Drawn]
 
 
 def of_problem(problem: la.Problem, rng: Rng) -> Drawn:
-    """The program that upper bounds and loops solve."""
+    """Return the program that upper bounds and loops solve."""
     made = la.discretise(problem)
     program = dimensionless(made.program.associated(), made.natural)
     return Drawn(program, frozen_at_random(program.contact, rng))
 
 
 def frozen_at_random(contact: ContactRows, rng: Rng) -> FrozenContact:
-    """As loops freeze it: associated, sticking, or a share of friction at reactions and slips."""
+    """Return contact frozen as in loops.
+
+    Associated, sticking, or friction with random reactions.
+    """
     kind = rng.integers(4)
     if kind == 0:
         return associated_contact(contact)
     if kind == 1:
         return stick_contact(contact)
-    # Smooth along the contact, as reactions are, and zero at some points.
+    # # Smooth along the contact, as reactions are, and zero at some points.
     wave = np.cumsum(rng.normal(size=contact.count)) / np.sqrt(max(contact.count, 1))
     reaction = number(rng, 0.1, 2.0) * np.maximum(0.3 + wave, 0.0)
     if kind == 2:
@@ -67,9 +70,9 @@ def frozen_at_random(contact: ContactRows, rng: Rng) -> FrozenContact:
 
 
 def meshed(recipe: Recipe, size: int, unknowns: Callable[[Recipe], int]) -> Recipe:
-    """A recipe with meshes as fine as come to so many unknowns."""
+    """Return a recipe with meshes refined to about a given number of unknowns."""
     bodies = [body for body in recipe["bodies"].values() if body["kind"] == "continuum"]
-    for _ in range(2):  # edges count for less on finer meshes
+    for _ in range(2):  # # Edges matter less on finer meshes.
         factor = np.sqrt(size / max(unknowns(recipe), 1))
         for body in bodies:
             for axis in ("nx", "ny"):
@@ -79,13 +82,13 @@ def meshed(recipe: Recipe, size: int, unknowns: Callable[[Recipe], int]) -> Reci
 
 
 def from_recipe(recipe_of: Callable[[Rng], Recipe], rng: Rng, size: int) -> Drawn:
-    """Of a class of random problems."""
+    """Return the program of a recipe of a class of random problems."""
     recipe = meshed(recipe_of(rng), size, lambda own: int(la.discretise(build(own)).program.n))
     return of_problem(build(recipe), rng)
 
 
 def of_soils(rng: Rng, size: int) -> Drawn:
-    """A body of soil, rock, concrete or masonry, from above."""
+    """Return a body of soil, rock, concrete or masonry, with the program of its upper bound."""
     recipe = draw_continua.one_body(rng, chosen(rng, _UNIT))
     recipe["bodies"]["block"]["space"] = chosen(rng, ("p2-vertex", "p2-gauss", "p1-disc"))
     if recipe["bodies"]["block"]["kinematics"] == "axisymmetric":
@@ -102,7 +105,7 @@ def of_soils(rng: Rng, size: int) -> Drawn:
 
 
 def from_below(rng: Rng, size: int, soil: bool) -> Drawn:
-    """The program of a lower bound."""
+    """Return the program of a lower bound."""
     kinematics = "plane_strain" if rng.random() < 0.8 else "plane_stress"
     recipe = with_law(draw_continua.one_body(rng, kinematics), "associated")
     block = recipe["bodies"]["block"]
@@ -121,7 +124,7 @@ def from_below(rng: Rng, size: int, soil: bool) -> Drawn:
 
 
 def hardening(rng: Rng, size: int) -> Drawn:
-    """A step of a path: cones that harden, contact with a way to go."""
+    """Return a step of a path: cones with hardening, contact with a gap."""
     drawn = from_recipe(partial(draw_continua.one_body, kinematics=chosen(rng, _UNIT)), rng, size)
     program, contact = drawn.program, drawn.program.contact
     closing = rng.uniform(0, 0.5, contact.count) * (rng.uniform(size=contact.count) > 0.5)
@@ -134,7 +137,7 @@ def hardening(rng: Rng, size: int) -> Drawn:
 
 
 def unsafe(rng: Rng, size: int) -> Drawn:
-    """Dead loads that no strength carries, most of them."""
+    """Return dead loads, most of which exceed the strength."""
     drawn = DRAWN[chosen(rng, _CARRYING)](rng, size)
     program = drawn.program
     push = rng.normal(size=program.n) * np.abs(program.reference_load).max(initial=1.0)
@@ -143,7 +146,7 @@ def unsafe(rng: Rng, size: int) -> Drawn:
 
 
 def locked(rng: Rng, size: int) -> Drawn:
-    """Loads against obstacles, or against volumes that do not change."""
+    """Return loads against obstacles, or against incompressible bodies."""
     drawn = DRAWN[chosen(rng, _CARRYING)](rng, size)
     program = drawn.program
     force = -program.contact.normal.T @ (
@@ -161,7 +164,7 @@ def locked(rng: Rng, size: int) -> Drawn:
 
 
 def material(rng: Rng, kinematics: str) -> Any:
-    """A criterion whose strength depends on pressure, most of them of several surfaces."""
+    """Return a criterion whose strength depends on pressure, most of them of several surfaces."""
     angle = number(rng, 5, 45)
     kind = rng.integers(6)
     cut = {} if rng.random() < 0.5 else {"tension_cutoff": 0.0}
@@ -182,10 +185,10 @@ def material(rng: Rng, kinematics: str) -> Any:
 
 
 def draw_program(family: str, seed: int, place: int, size: int) -> Drawn:
-    """Program number `place` of a family, of about so many unknowns.
+    """Return program number `place` of a family, of about `size` unknowns.
 
     Raises:
-        InputError: none of the random problems was one.
+        InputError: none of the random problems was valid.
     """
     rng = np.random.default_rng([seed, place, *family.encode()])
     for _ in range(_TRIES):

@@ -1,4 +1,4 @@
-"""What the answer of a backend to a random program is worth."""
+"""Checks of the answer of a backend to a random program."""
 
 import time
 from collections.abc import Sequence
@@ -32,23 +32,23 @@ from lacore.solvers.registry import PROVING_BACKEND
 from lacore_verification.fuzz.programs.drawn import Drawn
 
 RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"
-BAR = 1e-6  # of the residuals of a certificate, and of load factors
-REFUTED = 1e-3  # "almost solved" with a residual above it is a wrong claim
-_NUMBERS = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is enough
+BAR = 1e-6  # # For the residuals of a certificate, and for load factors.
+REFUTED = 1e-3  # # A larger residual of "almost solved" is a wrong claim.
+_NUMBERS = (Status.SOLVED, Status.ALMOST_SOLVED)  # # Residuals decide whether "almost" is enough.
 _WORDS = (Status.LOCKED, Status.UNSAFE)
 
 
 @dataclass(frozen=True)
 class ProgramRun:
-    """What a backend said of a program.
+    """Result of a backend for a program.
 
     Attributes:
         backend: its name.
-        answer: None where it does not take such programs.
-        residual: the worst, recomputed; NaN without a point.
-        seconds: of processor time, set-up included.
-        fault: An error that the backend raised, an answer that breaks the protocol, a crash, or
-            what it left running; empty if there is none.
+        answer: None if it does not support such programs.
+        residual: the largest, recomputed; NaN without a point.
+        seconds: processor time with set-up.
+        fault: an error that the backend raised, an answer that breaks the protocol, a crash, or
+            remaining processes; empty if there is none.
     """
 
     backend: str
@@ -82,13 +82,13 @@ class ProgramRun:
 
     @property
     def load_factor(self) -> float:
-        """That which it claims."""
+        """Return the load factor that it claims."""
         point = self.answer.point if self.solved and self.answer is not None else None
         return nan if point is None else point.load_factor
 
 
 def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
-    """One solve of a program, in good units, as `lacore.solve` asks for it."""
+    """Solve a program once, in scaled units, as `lacore.solve` does."""
     try:
         check_capable(backend, drawn.program)
     except CapabilityError:
@@ -100,12 +100,12 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
     try:
         with closing(preparer(watched, own, good_for(BAR))(drawn.program)) as solver:
             answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
-    except Exception as error:  # of the backend: the other programs go on
+    except Exception as error:  # # An error of the backend; the other programs continue.
         text = str(error) if isinstance(error, LacoreError) else f"{type(error).__name__}: {error}"
         watched.faults.append(text)
         answer = failed_answer(text, 0.0)
     seconds = _spent(backend) - begin
-    if answer.point is None:  # a process that is lost took its count with it
+    if answer.point is None:  # # The time of a lost process is unknown.
         seconds = float(np.fmax(seconds, answer.solve_time))
     residual = nan if answer.point is None else recomputed(drawn, answer)
     note = take_note(backend)
@@ -119,7 +119,7 @@ def take_note(backend: Backend) -> str:
 
 
 class _Watched:
-    """A backend whose answers are looked at before anything repairs or replaces them."""
+    """A backend whose answers are checked before they are repaired or replaced."""
 
     def __init__(self, backend: Backend) -> None:
         self._backend = backend
@@ -134,7 +134,7 @@ class _Watched:
 
 
 class _WatchedSolver:
-    """A prepared solver that notes what is wrong with its answers."""
+    """A prepared solver that records the faults of its answers."""
 
     def __init__(
         self, solver: PreparedSolver, program: KinematicProgram, faults: list[str]
@@ -157,13 +157,16 @@ class _WatchedSolver:
 
 
 def _spent(backend: Backend) -> float:
-    """Processor time of this process, and of that in which a backend works."""
+    """Return the processor time of this process, and of that in which a backend works."""
     elsewhere = backend.process.processor_time if isinstance(backend, IsolatedBackend) else 0.0
     return time.process_time() + elsewhere
 
 
 def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
-    """The worst residual; powers per what is turned over, or per a little of what could be."""
+    """Return the largest residual.
+
+    Powers relative to the total power or a small part of its scale.
+    """
     assert answer.point is not None
     return scaled_residual(drawn.program, answer.point, drawn.contact)[1]
 
@@ -171,9 +174,9 @@ def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
 def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> str:
     """Judge an answer by those of others.
 
-    A fault is wrong, whatever else was answered. A number is right by its residuals. A word is
-    right where another backend has found the same,
-    wrong where one has a number that its residuals prove, else right only by a proof.
+    A fault is always wrong. A number is right by its residuals. Another status is right if another
+    backend has found the same, wrong if one has a number that its residuals prove, else right only
+    by a proof.
     """
     if asked.answer is None:
         return REFUSED
@@ -194,7 +197,7 @@ def verdict(asked: ProgramRun, drawn: Drawn, others: Sequence[ProgramRun]) -> st
 
 
 def proven(word: Status, drawn: Drawn) -> bool:
-    """Whether a mechanism of the dead loads, or reactions to the load, prove a word."""
+    """Return whether a mechanism of the dead loads, or reactions to the load, prove a status."""
     judge = find_backend(PROVING_BACKEND)
     prepare = preparer(judge, read_options(judge, {}))
     laws = drawn.contact, drawn.contact

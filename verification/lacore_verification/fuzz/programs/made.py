@@ -1,15 +1,15 @@
-"""Problems of as many unknowns as asked for: walls, blocks in space, frames, tetrahedra."""
+"""Problems of a given number of unknowns: walls, blocks in 3D, frames, tetrahedra."""
 
 import numpy as np
 
 import lacore as la
 from lacore_verification.fuzz.drawn.draw import Rng, chosen, number, vector
 
-_LARGEST = 500  # nodes of a frame: its compatible motions take the square of that
+_LARGEST = 500  # # Nodes of a frame: compatible motions are quadratic in it.
 
 
 def wall(rng: Rng, size: int) -> la.Problem:
-    """A wall in bond, some of its blocks left out, shaken or pushed at a block."""
+    """Return a wall in bond, with some blocks omitted, under horizontal acceleration or a push."""
     blocks = max(size // 3, 2)
     high = int(np.clip(round(np.sqrt(blocks * number(rng, 0.3, 2.0))), 1, 40))
     wide = max(blocks // high, 1)
@@ -32,7 +32,7 @@ def wall(rng: Rng, size: int) -> la.Problem:
 
 
 def assembly_in_space(rng: Rng, size: int) -> la.Problem:
-    """A wall of boxes in space, of several wythes, shaken along any direction."""
+    """Return a wall of boxes in 3D, of several wythes, under acceleration in any direction."""
     blocks = max(size // 6, 2)
     high = int(np.clip(round(blocks ** (1 / 3) * number(rng, 0.6, 1.6)), 1, 12))
     deep = int(rng.integers(1, 3))
@@ -56,7 +56,7 @@ def assembly_in_space(rng: Rng, size: int) -> la.Problem:
 
 
 def grid_frame(rng: Rng, size: int) -> la.Problem:
-    """A frame of bays and storeys under forces at nodes, some of its members missing."""
+    """Return a frame of bays and storeys under forces at nodes, with some members missing."""
     nodes = max(min(size, _LARGEST), 6)
     storeys = int(np.clip(round(np.sqrt(nodes * number(rng, 0.5, 3.0))), 1, 60))
     bays = max(nodes // (storeys + 1) - 1, 1)

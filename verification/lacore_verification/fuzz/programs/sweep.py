@@ -1,4 +1,4 @@
-"""Many random programs, each asked of several backends, and the table of what came."""
+"""Sweeps of random programs over several backends, and the table of results."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,27 +19,27 @@ from lacore_verification.fuzz.programs.judge import (
     verdict,
 )
 
-LARGE = 1500  # unknowns: at least half of all programs have as many
+LARGE = 1500  # # Unknowns: at least half of all programs have as many.
 THEN = ", then "
 _SURE = (Status.SOLVED.label, Status.LOCKED.label, Status.UNSAFE.label)
 _LEAST = 20
-_AGREE = 0.9  # of LARGE: what a mesh that is asked for that many may have
+_AGREE = 0.9  # # Relative to LARGE: smallest number of unknowns of a mesh for that many.
 
 
 @dataclass(frozen=True)
 class Row:
-    """One answer to one program.
+    """Result of one backend for one program.
 
     Attributes:
         family, place, unknowns: of the program.
-        backend: who was asked.
-        status, native: its words.
-        residual: the worst, recomputed; NaN without a point.
+        backend: its name.
+        status, native: in words of lacore and of the solver.
+        residual: the largest, recomputed; NaN without a point.
         load_factor: NaN where none is claimed.
         iterations: of the solver.
-        seconds: of processor time.
+        seconds: processor time.
         verdict: ``right``, ``wrong``, ``no answer`` or ``refused``.
-        message: Why it is wrong, if not by its residual.
+        message: why it is wrong, if not by its residual.
     """
 
     family: str
@@ -57,7 +57,7 @@ class Row:
 
 
 def sizes(count: int, seed: int, most: int) -> list[int]:
-    """Unknowns that are asked for: every other time at least `LARGE`."""
+    """Return numbers of unknowns: every second one is at least `LARGE`."""
     rng = np.random.default_rng([seed, count])
     ends = [(_LEAST, LARGE), (int(LARGE / _AGREE), most)]
     return [int(np.exp(rng.uniform(*np.log(ends[number % 2])))) for number in range(count)]
@@ -66,7 +66,7 @@ def sizes(count: int, seed: int, most: int) -> list[int]:
 def drawn_programs(
     families: Sequence[str], count: int, seed: int, most: int
 ) -> Iterator[tuple[str, int, Drawn]]:
-    """`count` programs, family after family in turn."""
+    """Yield `count` programs of the families in turn."""
     names = list(families) or list(DRAWN)
     for number, size in enumerate(sizes(count, seed, most)):
         turn, which = divmod(number // 2, len(names))
@@ -81,7 +81,7 @@ def rows_of(
     backends: Sequence[Backend],
     options: Mapping[str, dict[str, Any]],
 ) -> list[Row]:
-    """What each backend says of a program, judged beside the others."""
+    """Return the result of each backend for a program, checked against the others."""
     asked = [ask(backend, drawn, options.get(backend.name, {})) for backend in backends]
     return [
         _row(family, place, drawn, one, [other for other in asked if other is not one])
@@ -90,7 +90,7 @@ def rows_of(
 
 
 def in_turn(rows: Sequence[Row]) -> Row:
-    """What comes of asking one backend after the other, until one is sure of its answer."""
+    """Return the result of using backends in turn, until one is certain of its answer."""
     sure = [number for number, row in enumerate(rows) if row.status in _SURE]
     last = sure[0] if sure else len(rows) - 1
     seconds = sum(row.seconds for row in rows[: last + 1])
@@ -119,13 +119,13 @@ def _row(
 
 @dataclass(frozen=True)
 class Tally:
-    """What a backend did on a family, or on all.
+    """Results of a backend on a family, or on all.
 
     Attributes:
-        backend, family: who, on what.
-        programs, right, wrong, nothing, refused: how many.
-        large, large_right: those of at least `LARGE` unknowns, and how many of them it has right.
-        seconds: of processor time.
+        backend, family: their names.
+        programs, right, wrong, nothing, refused: counts.
+        large, large_right: those of at least `LARGE` unknowns, and how many of them are right.
+        seconds: processor time.
     """
 
     backend: str
@@ -141,7 +141,7 @@ class Tally:
 
 
 def tallied(rows: Sequence[Row]) -> list[Tally]:
-    """Counts by backend and family, those of all families last."""
+    """Return counts by backend and family, those of all families last."""
     found = []
     for backend in dict.fromkeys(row.backend for row in rows):
         own = [row for row in rows if row.backend == backend]
