@@ -184,7 +184,7 @@ class Examination:
             if other.status != "refused":
                 yield from self._same(other, _LINEAR_SOLVER)
             return
-        # # For continua the associated value, which is unique, and the stresses of its state.
+        # For continua the associated value, which is unique, and the stresses of its state.
         wanted = self._high if self._coulomb else self._base.load_factor
         other = answer(
             with_law(self._recipe, "associated"), self._rng, SolveSettings(_CONIC_SOLVER)
@@ -204,7 +204,7 @@ class Examination:
             return
         try:
             found = state.interval()
-        except Exception as error:  # # A certified state must have one.
+        except Exception as error:  # A certified state must have one.
             yield Wrong("exception", told(error))
             return
         if not found.low <= self._base.load_factor <= found.high:

@@ -69,14 +69,14 @@ def answer(
         state = la.solve(problem, asked.backend, **asked.settings)
     except LacoreError as error:
         return RecipeResult("refused", text=str(error))
-    except Exception as error:  # # Any other error is a failure.
+    except Exception as error:  # Any other error is a failure.
         return RecipeResult("exception", wrong=Wrong("exception", told(error)), text=told(error))
     if state.status is not SOLVED:
         return RecipeResult(state.status.label, state, problem, text=state.message)
     try:
         scale = scale_of(recipe, problem, state)
         wrong = first(check_state(recipe, problem, state, rng)) if checked else None
-    except Exception as error:  # # Unreadable tables are failures, too.
+    except Exception as error:  # Unreadable tables are failures, too.
         return RecipeResult("exception", state, problem, wrong=Wrong("exception", told(error)))
     return RecipeResult(state.status.label, state, problem, scale, wrong, state.message)
 

@@ -28,8 +28,8 @@ from lacore_verification.runs.run import Run
 
 EVERY = 10.0
 """s between lines without a terminal."""
-_LOOKBACK = 600.0  # s: the remaining time is estimated from the runs that ended in it
-_MOST = 2  # names of runs in a line
+_LOOKBACK = 600.0  # s: the remaining time is estimated from the runs that ended in it.
+_MOST = 2  # Names of runs in a line.
 
 
 class Watch(Protocol):
@@ -59,7 +59,7 @@ class _Bar:
         self._done += 1
         if self._begun:
             self._progress.advance(self._task)
-        else:  # a stored result, which must not count in the estimate of the time
+        else:  # A stored result must not count in the estimate of the time.
             self._progress.reset(self._task, completed=self._done)
         if outcome.row.verdict == FAIL:
             self._progress.console.print(_failure(outcome), style="red", markup=False)

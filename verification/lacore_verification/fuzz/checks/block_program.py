@@ -18,7 +18,7 @@ from lacore_verification.fuzz.checks.rigid_checks import Blocks, rigid_blocks
 from lacore_verification.fuzz.drawn.recipe import Recipe
 from lacore_verification.fuzz.drawn.touches import law_terms
 
-_FLAT = 1e-7  # # Relative to the size of blocks, tolerance for edges that coincide.
+_FLAT = 1e-7  # Relative to the size of blocks, tolerance for edges that coincide.
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def _shared(one: Floats, other: Floats) -> list[tuple[Floats, Floats, Floats]]:
                 continue
             away = np.abs([(c - a) @ normal, (d - a) @ normal])
             low, high = max(0.0, (d - a) @ along), min(length, (c - a) @ along)
-            # # Where long edges extend beyond a small one, their distance along the small one
+            # Where long edges extend beyond a small one, their distance along the small one
             # counts.
             if high - low > 10 * near and away.max() <= near + _FLAT * np.linalg.norm(d - c):
                 found.append((a + low * along, a + high * along, normal))
@@ -177,6 +177,6 @@ def _carried_alone(blocks: Blocks, ends: Ends) -> bool | None:
     """Whether forces without friction carry the reference load alone."""
     program = _program(blocks, ends, friction=False, dead=False)
     high = program.high.copy()
-    high[-1] = 1.0  # # Bounds the ray to length one.
+    high[-1] = 1.0  # Bounds the ray to length one.
     value = maximum(Program(program.cost, program.matrix, program.right, program.low, high)).value
     return None if isnan(value) else bool(value > 0.5)

@@ -11,7 +11,7 @@ from lacore_verification.fuzz.drawn.draw import Rng
 from lacore_verification.fuzz.drawn.recipe import Recipe, build
 from lacore_verification.fuzz.solving import RecipeResult, answer
 
-_TOLERANCE = 0.02  # # Relative tolerance of safety factors.
+_TOLERANCE = 0.02  # Relative tolerance of safety factors.
 _REFUSALS = (la.InputError, la.CapabilityError)
 
 
@@ -33,7 +33,7 @@ def wrong_bounds(base: RecipeResult, scale: float) -> Iterator[Wrong]:
         above["the load factor"] = base.load_factor
     for name, value in above.items():
         room = BAR * (scale + abs(value))
-        if value < lower - room:  # # False for NaN.
+        if value < lower - room:  # False for NaN.
             yield Wrong("bounds", f"{name} {value:.9g} is below the lower bound {lower:.9g}")
 
 

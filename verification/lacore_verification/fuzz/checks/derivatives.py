@@ -8,8 +8,8 @@ from lacore.analyses.parameters import parameters_of
 from lacore_verification.fuzz.checks.verdict import Wrong
 from lacore_verification.fuzz.drawn.draw import Rng
 
-_STEP = 1e-4  # # Relative step of a number.
-# # Relative to the largest elasticity compared, or to 1: curvature, and kinks nearby.
+_STEP = 1e-4  # Relative step of a number.
+# Relative to the largest elasticity compared, or to 1: curvature, and kinks nearby.
 _FORCE = 0.02
 
 

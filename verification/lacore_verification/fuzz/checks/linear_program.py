@@ -13,8 +13,8 @@ from scipy.optimize import linprog
 from lacore.numerics.arrays import Floats
 
 _ROUNDS = 6
-_ENOUGH = 1e-11  # # Relative to the scale of each row.
-_LARGEST = 1e14  # # Largest factor on residuals.
+_ENOUGH = 1e-11  # Relative to the scale of each row.
+_LARGEST = 1e14  # Largest factor on residuals.
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def maximum(program: Program) -> Optimum:
         if step is None or isinstance(step, float):
             break
         x, y = x + step[0] / up, y + step[1] / rise
-    # # A violation of bounds counts by its effect on the rows: for a light block, a small force is
+    # A violation of bounds counts by its effect on the rows: for a light block, a small force is
     # enough to carry it.
     outside = np.maximum(np.maximum(program.low - x, x - program.high), 0.0)
     off = abs(program.right - matrix @ x) + np.abs(matrix) @ outside
@@ -96,7 +96,7 @@ def _solve(program: Program) -> tuple[Floats, Floats] | float | None:
     if found.status == 2:
         return -inf
     if found.status == 3:
-        # # Presolve distinguishes unbounded from infeasible only without a cost.
+        # Presolve distinguishes unbounded from infeasible only without a cost.
         empty = replace(program, cost=np.zeros_like(program.cost))
         again = _solve(empty) if np.any(program.cost) else None
         return -inf if again == -inf else inf

@@ -12,7 +12,7 @@ from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
 from lacore_verification.fuzz.checks.verdict import Wrong, beyond
 
-_SAME = 1e-9  # # Relative to the size of all bodies.
+_SAME = 1e-9  # Relative to the size of all bodies.
 
 
 def same_load(name: str, path: la.Path, copy: la.Path) -> Iterator[Wrong]:
@@ -43,14 +43,14 @@ def moved_back(own: Configuration, stage: Stage, known: Stage) -> Configuration:
     means = [nodes.mean(axis=1, keepdims=True) for nodes in both]
     one, other = (nodes - mean for nodes, mean in zip(both, means, strict=True))
     left, _, right = np.linalg.svd(other @ one.T)
-    turn = left @ right  # # Its determinant is -1 where the copy is mirrored.
+    turn = left @ right  # Its determinant is -1 where the copy is mirrored.
 
     def back(places: Floats) -> Floats:
         return np.asarray(turn @ (places - means[0]) + means[1])
 
     size = float(np.abs(one).max())
     assert np.allclose(back(both[0]), both[1], atol=_SAME * size)
-    angle = np.linalg.det(turn)  # # Rotation of rigid blocks.
+    angle = np.linalg.det(turn)  # Rotation of rigid blocks.
     nodes = {
         name: np.concatenate([back(places[:2]), angle * places[2:]])
         for name, places in own.nodes.items()

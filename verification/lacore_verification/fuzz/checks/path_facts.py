@@ -11,10 +11,10 @@ from lacore_verification.fuzz.checks.verdict import BAR, Wrong, beyond
 from lacore_verification.fuzz.drawn.recipe import Recipe
 from lacore_verification.fuzz.drawn.touches import law_terms
 
-_SLIPS = 1e-4  # # Relative to the largest velocity: below it a point may stick.
-_TOUCH = 1e-5  # # m, for bodies about 1 m in size.
-_VOLUME = 1e-6  # # Error of the implicit midpoint, per step.
-# # Relative to the largest traction: residuals of certificates are summed and scaled otherwise.
+_SLIPS = 1e-4  # Relative to the largest velocity: below it a point may stick.
+_TOUCH = 1e-5  # m, for bodies about 1 m in size.
+_VOLUME = 1e-6  # Error of the implicit midpoint, per step.
+# Relative to the largest traction: residuals of certificates are summed and scaled otherwise.
 _STATE = 1e-4
 
 
@@ -69,7 +69,7 @@ def _coulomb(recipe: Recipe, path: la.Path, state: la.LimitState) -> Iterator[Wr
     known = np.array([laws[str(name).split("#")[0]] for name in table["interface"]])
     mu, limit = known.reshape(-1, 3)[:, :2].T
     normal, shear, slip, gap = (table[name].to_numpy() for name in ("t_n", "t_t", "u_t", "gap"))
-    # # A point that closes its gap within the step sticks from the next one; mu t_n acts at once.
+    # A point that closes its gap within the step sticks from the next one; mu t_n acts at once.
     limit = np.where(gap <= _TOUCH, limit, 0.0)
     scale = max(float(np.abs(normal).max(initial=0.0)), float(np.abs(shear).max(initial=0.0)))
     yield from beyond("tension on a path", "of", -normal, scale, _STATE)

@@ -15,7 +15,7 @@ from lacore.numerics.arrays import Floats
 from lacore_verification.fuzz.checks.verdict import BAR, Judgement, Wrong
 from lacore_verification.fuzz.drawn.recipe import Recipe, build, copied
 
-_SIDES = 64  # # Sides of the enclosing polygons, between no axial force and the largest.
+_SIDES = 64  # Sides of the enclosing polygons, between no axial force and the largest.
 _HELD = {"clamped": (0, 1, 2), "xy": (0, 1), "y": (1,)}
 
 
@@ -69,7 +69,7 @@ def enclosing(recipe: Recipe, inscribed: bool) -> float:
     nodes = list(frame["nodes"])
     place = {node: np.array(at, dtype=float) for node, at in frame["nodes"].items()}
     count = 3 * len(frame["members"])
-    # # Forces and moment on each node, then the load factor.
+    # Forces and moment on each node, then the load factor.
     rows = np.zeros((3 * len(nodes), count + 1))
     limits: list[Floats] = []
     bounds: list[Floats] = []
@@ -113,7 +113,7 @@ def enclosing(recipe: Recipe, inscribed: bool) -> float:
         right[free],
         bounds=(None, None),
     )
-    if found.status == 3:  # # The program is unbounded.
+    if found.status == 3:  # The program is unbounded.
         return inf
     return -inf if found.x is None else float(found.x[-1])
 

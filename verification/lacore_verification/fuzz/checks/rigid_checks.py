@@ -97,7 +97,7 @@ def check_blocks(
     size = np.hypot(*(alpha * blocks.live[:, :2]).T) + np.hypot(*blocks.dead[:, :2].T)
     size += (np.abs(alpha * blocks.live[:, 2]) + np.abs(blocks.dead[:, 2])) / arm_length[:, 0]
     force = points.force
-    # # A block without loads has no forces of its own: the round-off of others is its scale.
+    # A block without loads has no forces of its own: the round-off of others is its scale.
     size = np.where(size > 0, size, np.abs(force).sum())
     motion = _motions(blocks, state)
     jump = np.zeros_like(points.place)

@@ -21,7 +21,7 @@ from lacore_verification.fuzz.continua.quadrature import in_cells
 from lacore_verification.fuzz.drawn.recipe import Recipe, force_density
 from lacore_verification.fuzz.drawn.touches import law_terms, part_of
 
-_FELT = 1e-6  # # Relative to the size of the reference load: smaller power counts as zero.
+_FELT = 1e-6  # Relative to the size of the reference load: smaller power counts as zero.
 _UNFELT = 1e-9
 _AXES: Mapping[str, Any] = {"x": [[1.0, 0.0]], "y": [[0.0, 1.0]], "xy": [[1.0, 0.0], [0.0, 1.0]]}
 
@@ -30,7 +30,7 @@ def refuted_words(recipe: Recipe, problem: la.Problem, status: la.Status) -> Ite
     """Yield rigid-body motions that refute LOCKED or FREE; nothing for other statuses."""
     kinds = [body["kind"] for body in recipe["bodies"].values()]
     if any(body.get("mesh", {}).get("polar") for body in recipe["bodies"].values()):
-        return  # # Sides are straight here.
+        return  # Sides are straight here.
     round_ = any(body.get("kinematics") == "axisymmetric" for body in recipe["bodies"].values())
     if round_ or "frame" in kinds or status not in (la.Status.LOCKED, la.Status.FREE):
         return

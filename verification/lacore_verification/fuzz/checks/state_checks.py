@@ -151,7 +151,7 @@ def _check_powers(
             live, dead = live + loads[0], dead + loads[1]
     yield from beyond("F0.u = 1", "off by", abs(live - 1), 1.0)
     lost = used - state.load_factor - dead
-    # # Jumps of velocities dissipate, too: the dissipation inside elements is a part of it.
+    # Jumps of velocities dissipate, too: the dissipation inside elements is a part of it.
     yield from beyond("power balance", "off by", lost if jumps else abs(lost), scale.power)
     if jumps:
         table = table_power(recipe, state) + float(dissipation(points).sum())

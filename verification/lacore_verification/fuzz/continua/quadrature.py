@@ -5,7 +5,7 @@ import numpy as np
 from lacore.numerics.arrays import Floats, Ints
 
 _LINE, _SHARE = np.polynomial.legendre.leggauss(4)
-_LINE, _SHARE = (_LINE + 1) / 2, _SHARE / 2  # # Points and weights on [0, 1].
+_LINE, _SHARE = (_LINE + 1) / 2, _SHARE / 2  # Points and weights on [0, 1].
 
 
 def in_triangles(points: Floats, cells: Ints) -> tuple[Floats, Floats]:

@@ -76,13 +76,13 @@ def plastic_power(surface: Sides, growth: Floats, shear: Floats) -> Floats:
         growth, shear: strain rates ``xx + yy`` and ``hypot(xx - yy, 2 xy)``, shape (cells, q).
     """
     top, least, sine = surface.tension, surface.crushing, surface.sine
-    # # Intersection of friction with mean + radius = top.
+    # Intersection of friction with mean + radius = top.
     mean = (top - surface.apex * sine) / (1 - sine)
     corners = [(top, 0 * top), (mean, top - mean)]
     if np.all(np.isfinite(least)):
-        # # Intersection with radius - mean = crushing.
+        # Intersection with radius - mean = crushing.
         other = (surface.apex * sine - least) / (1 + sine)
-        meet = other > mean  # # The cut-offs intersect below the friction.
+        meet = other > mean  # The cut-offs intersect below the friction.
         mean, other = (np.where(meet, (top - least) / 2, one) for one in (mean, other))
         corners = [(top, 0 * top), (mean, top - mean), (other, least + other), (-least, 0 * top)]
     return np.asarray(np.max([p * growth + radius * shear for p, radius in corners], axis=0))

@@ -15,7 +15,7 @@ from lacore_verification.fuzz.drawn.recipe import Recipe, copied
 
 _SWAPPED = {"x": "y", "y": "x"}
 _AXES = ("x", "y")
-_ROUGHER = 3.0  # # Factor on a coefficient of friction.
+_ROUGHER = 3.0  # Factor on a coefficient of friction.
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def _move_interface(pair: dict[str, Any], motion: Motion, of_frame: bool) -> Non
     """Move an interface of a copied recipe; that of a frame is a node of 1 m."""
     law, master = pair["friction"], pair["master"]
     if of_frame and isinstance(law, Mapping) and "tresca" in law:
-        pair["friction"] = {"tresca": motion.length * law["tresca"]}  # # The limit is a force here.
+        pair["friction"] = {"tresca": motion.length * law["tresca"]}  # The limit is a force here.
     pair["slave"] = [pair["slave"][0], motion.boundary(pair["slave"][1])]
     if isinstance(master, list):
         pair["master"] = [master[0], motion.boundary(master[1])]

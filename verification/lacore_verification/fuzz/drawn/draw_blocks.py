@@ -7,7 +7,7 @@ import numpy as np
 from lacore_verification.fuzz.drawn.draw import Rng, chosen, decades, law, number, short, vector
 from lacore_verification.fuzz.drawn.recipe import Recipe
 
-_MOST = 9  # # Blocks at most.
+_MOST = 9  # Blocks at most.
 
 
 def blocks(rng: Rng) -> Recipe:

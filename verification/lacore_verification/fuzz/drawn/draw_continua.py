@@ -16,8 +16,8 @@ _SPACES = {
     "axisymmetric": ("p2-gauss", "q2"),
 }
 _PLAIN = [[1.0, 0.0], [0.0, 1.0]]
-_STEEPEST_CHORD = 0.6  # # Radians, so that chords of the outer arc stay clear of the inner one.
-_FAR = 3  # # Decades by which strengths and loads may differ.
+_STEEPEST_CHORD = 0.6  # Radians, so that chords of the outer arc stay clear of the inner one.
+_FAR = 3  # Decades by which strengths and loads may differ.
 
 
 def _continuum(rng: Rng, kinematics: str, x: Any, y: Any, space: str = "") -> dict[str, Any]:
@@ -74,7 +74,7 @@ def one_body(rng: Rng, kinematics: str) -> Recipe:
         )
         dead.append({"load": "BodyForce", "body": "block", "vector": push})
     if rng.random() < 0.4:
-        # # Any side may be loaded, also one on supports or obstacles, which then take the load.
+        # Any side may be loaded, also one on supports or obstacles, which then take the load.
         where = chosen(rng, [loaded, *rest, *sides] if rng.random() < 0.5 else [loaded, *rest])
         where, pressure = str(where), number(rng, 0.1, 0.8)
         own: dict[str, Any] = {"load": "Pressure", "value": pressure}
@@ -157,7 +157,7 @@ def soils(rng: Rng) -> Recipe:
     if block["space"] == "q2":
         block["mesh"]["cut"] = "crossed"
     cut = rng.random() < 0.5
-    # # Velocity jumps do not support cut-offs, and all soils lock with constant strains.
+    # Velocity jumps do not support cut-offs, and all soils lock with constant strains.
     block["space"] = chosen(rng, _TRIANGLES[:2] if cut else _TRIANGLES[:4])
     block["soil"] = {
         "angle": number(rng, 5.0, 40.0),
@@ -220,7 +220,7 @@ def two_bodies(rng: Rng) -> Recipe:
     sides = [["upper", "bottom"], ["lower", "top"]]
     if rng.random() < 0.5:
         sides = sides[::-1]
-    # # Obstacles and supports never meet the interface at a corner of the upper body.
+    # Obstacles and supports never meet the interface at a corner of the upper body.
     supports = [{"body": "lower", "where": "bottom", "components": chosen(rng, ("xy", "normal"))}]
     if supports[0]["components"] == "normal":
         supports.append({"body": "lower", "where": "left", "components": "xy"})

@@ -12,7 +12,7 @@ def frames(rng: Rng) -> Recipe:
     Some are regular: all bays, storeys, columns and beams are equal.
     """
     bays, storeys = int(rng.integers(1, 3)), int(rng.integers(1, 3))
-    # # Regular frames have many mechanisms and stresses at one load factor.
+    # Regular frames have many mechanisms and stresses at one load factor.
     regular = bool(rng.random() < 0.3)
     nodes = _grid(rng, bays, storeys, regular)
     members = _members(bays, storeys)

@@ -121,7 +121,7 @@ def _yielding(rng: Rng) -> Recipe:
     if isinstance(friction, dict) and "associated" in friction:
         friction = friction["associated"]
     if friction == "smooth":
-        friction = 0.05  # # Nothing else would hold the upper block.
+        friction = 0.05  # Nothing else would hold the upper block.
     lower = _body(rng, (0.0, 3.0), (0.0, 0.5), strength, number(rng, 0.2, 2.0))
     upper = _body(rng, (left, left + long), (0.5, 0.5 + number(rng, 0.3, 0.6)), strength, 1.0)
     return {

@@ -17,9 +17,9 @@ from lacore_verification.fuzz.drawn.draw import Rng, chosen
 from lacore_verification.fuzz.drawn.recipe import Recipe, build
 from lacore_verification.fuzz.solving import told
 
-# # Copies with the same forces; reordering also exchanges slaves.
+# Copies with the same forces; reordering also exchanges slaves.
 _SAME = ("turned", "mirrored", "reordered")
-# # Relative to the volume, in a few steps of some hundredths: larger changes are errors.
+# Relative to the volume, in a few steps of some hundredths: larger changes are errors.
 _GROWTH = 0.05
 
 
@@ -40,10 +40,10 @@ def examine_path(recipe: Recipe, rng: Rng) -> PathAnswer:
         begin = la.solve(build(recipe))
     except LacoreError as error:
         return PathAnswer("refused", nan, str(error))
-    except Exception as error:  # # Any other error is a failure.
+    except Exception as error:  # Any other error is a failure.
         return PathAnswer("exception", nan, told(error), Wrong("exception", told(error)))
     reached = path.status is Ending.REACHED
-    # # The end of a path is no status of a load: one that ends early has no proven load there.
+    # The end of a path is no status of a load: one that ends early has no proven load there.
     status = (la.Status.SOLVED if reached else la.Status.NOT_CERTIFIED).label
     history = path.history
     load = float(history["load_factor"].iloc[-1]) if reached else nan
@@ -98,7 +98,7 @@ def _copy(recipe: Recipe, path: la.Path, rng: Rng) -> Iterator[Wrong]:
 def _wrong(recipe: Recipe, path: la.Path, begin: la.LimitState) -> Wrong | None:
     history = path.history
     if history.empty and _of_several(recipe):
-        return None  # # Nothing is required here; with one body there must be a first step.
+        return None  # Nothing is required here; with one body there must be a first step.
     if history.empty:
         solved = begin.status is la.Status.SOLVED
         return Wrong("first step", "none, of a problem that is solved") if solved else None

@@ -5,7 +5,7 @@ each entry has the arguments of the class it names, boundaries as names or as a 
 That of a path has ``path``: the arguments of `lacore.sequential`, and velocities of ``tools``.
 """
 
-# # Annotations are not evaluated: names of lacore in them load nothing.
+# Annotations are not evaluated: names of lacore in them load nothing.
 from __future__ import annotations
 
 import json
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Recipe = dict[str, Any]
 LISTS = ("reference", "dead", "supports", "interfaces")
-_NEAR = 1e-7  # # Relative to the length of a line: tolerance for rotated coordinates.
+_NEAR = 1e-7  # Relative to the length of a line: tolerance for rotated coordinates.
 LOADS = ("Traction", "Pressure", "BodyForce", "PointForce", "RigidFooting")
 
 
@@ -254,9 +254,9 @@ def mesh_of(data: Mapping[str, Any]) -> MeshTri | MeshQuad:
     points = matrix @ points + shift
     if np.linalg.det(matrix) > 0:
         made = type(mesh)(points, cells)
-    else:  # # A reflection inverts the orientation of each element.
+    else:  # A reflection inverts the orientation of each element.
         made = type(mesh)(points, cells[[0, 2, 1] if len(cells) == 3 else [0, 3, 2, 1]])
-    # # Facets may have new numbers: they are identified by their ends.
+    # Facets may have new numbers: they are identified by their ends.
     known = {tuple(sorted(pair)): number for number, pair in enumerate(made.facets.T.tolist())}
     pairs = mesh.facets.T.tolist()
     return made.with_boundaries(

@@ -17,8 +17,8 @@ from lacore_verification.fuzz.drawn.recipe import Recipe
 Part = tuple[str, str]
 """A body and, of an assembly, a block; ``("", "")`` is an obstacle."""
 OBSTACLE: Part = ("", "")
-_NEAR = 1e-6  # # Relative to the distance between two points.
-_RESTS = 1e-6  # # Relative to the largest velocity: below it a sticking point is at rest.
+_NEAR = 1e-6  # Relative to the distance between two points.
+_RESTS = 1e-6  # Relative to the largest velocity: below it a sticking point is at rest.
 _WORDS = {"smooth": (0.0, 0.0, 0.0), "stick": (0.0, inf, 0.0)}
 
 

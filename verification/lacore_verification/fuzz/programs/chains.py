@@ -7,7 +7,7 @@ from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 from lacore_verification.fuzz.drawn.draw import Rng
 
-_FAR = 12  # # Largest distance in node numbers between nodes of a cone.
+_FAR = 12  # Largest distance in node numbers between nodes of a cone.
 
 
 def chains(rng: Rng, size: int) -> tuple[KinematicProgram, FrozenContact]:

@@ -26,8 +26,8 @@ from lacore_verification.fuzz.drawn.recipe import Recipe, build
 from lacore_verification.fuzz.programs.chains import chains
 from lacore_verification.fuzz.programs.made import assembly_in_space, grid_frame, solid, wall
 
-_TRIES = 40  # # Draws until lacore accepts one.
-_FINEST = 200  # # Cells along an edge.
+_TRIES = 40  # Draws until lacore accepts one.
+_FINEST = 200  # Cells along an edge.
 _UNIT = ("plane_strain", "plane_strain", "plane_stress", "axisymmetric")
 
 
@@ -59,7 +59,7 @@ def frozen_at_random(contact: ContactRows, rng: Rng) -> FrozenContact:
         return associated_contact(contact)
     if kind == 1:
         return stick_contact(contact)
-    # # Smooth along the contact, as reactions are, and zero at some points.
+    # Smooth along the contact, as reactions are, and zero at some points.
     wave = np.cumsum(rng.normal(size=contact.count)) / np.sqrt(max(contact.count, 1))
     reaction = number(rng, 0.1, 2.0) * np.maximum(0.3 + wave, 0.0)
     if kind == 2:
@@ -72,7 +72,7 @@ def frozen_at_random(contact: ContactRows, rng: Rng) -> FrozenContact:
 def meshed(recipe: Recipe, size: int, unknowns: Callable[[Recipe], int]) -> Recipe:
     """Return a recipe with meshes refined to about a given number of unknowns."""
     bodies = [body for body in recipe["bodies"].values() if body["kind"] == "continuum"]
-    for _ in range(2):  # # Edges matter less on finer meshes.
+    for _ in range(2):  # Edges matter less on finer meshes.
         factor = np.sqrt(size / max(unknowns(recipe), 1))
         for body in bodies:
             for axis in ("nx", "ny"):

@@ -32,9 +32,9 @@ from lacore.solvers.registry import PROVING_BACKEND
 from lacore_verification.fuzz.programs.drawn import Drawn
 
 RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"
-BAR = 1e-6  # # For the residuals of a certificate, and for load factors.
-REFUTED = 1e-3  # # A larger residual of "almost solved" is a wrong claim.
-_NUMBERS = (Status.SOLVED, Status.ALMOST_SOLVED)  # # Residuals decide whether "almost" is enough.
+BAR = 1e-6  # For the residuals of a certificate, and for load factors.
+REFUTED = 1e-3  # A larger residual of "almost solved" is a wrong claim.
+_NUMBERS = (Status.SOLVED, Status.ALMOST_SOLVED)  # Residuals decide whether "almost" is enough.
 _WORDS = (Status.LOCKED, Status.UNSAFE)
 
 
@@ -100,12 +100,12 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
     try:
         with closing(preparer(watched, own, good_for(BAR))(drawn.program)) as solver:
             answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
-    except Exception as error:  # # An error of the backend; the other programs continue.
+    except Exception as error:  # An error of the backend; the other programs continue.
         text = str(error) if isinstance(error, LacoreError) else f"{type(error).__name__}: {error}"
         watched.faults.append(text)
         answer = failed_answer(text, 0.0)
     seconds = _spent(backend) - begin
-    if answer.point is None:  # # The time of a lost process is unknown.
+    if answer.point is None:  # The time of a lost process is unknown.
         seconds = float(np.fmax(seconds, answer.solve_time))
     residual = nan if answer.point is None else recomputed(drawn, answer)
     note = take_note(backend)

@@ -5,7 +5,7 @@ import numpy as np
 import lacore as la
 from lacore_verification.fuzz.drawn.draw import Rng, chosen, number, vector
 
-_LARGEST = 500  # # Nodes of a frame: compatible motions are quadratic in it.
+_LARGEST = 500  # Nodes of a frame: compatible motions are quadratic in it.
 
 
 def wall(rng: Rng, size: int) -> la.Problem:

@@ -19,11 +19,11 @@ from lacore_verification.fuzz.programs.judge import (
     verdict,
 )
 
-LARGE = 1500  # # Unknowns: at least half of all programs have as many.
+LARGE = 1500  # Unknowns: at least half of all programs have as many.
 THEN = ", then "
 _SURE = (Status.SOLVED.label, Status.LOCKED.label, Status.UNSAFE.label)
 _LEAST = 20
-_AGREE = 0.9  # # Relative to LARGE: smallest number of unknowns of a mesh for that many.
+_AGREE = 0.9  # Relative to LARGE: smallest number of unknowns of a mesh for that many.
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""What results say: pandas in, pandas out; each function documents the columns it returns.
+"""Analysis of results with pandas; each function documents the columns that it returns.
 
-All of it takes the frame of `load_results`, one row a finished run; only `summary`, one answer a
-variant, takes outcomes.
+All functions take the frame of `load_results`, one row for each finished run; only `summary`, one
+row for each variant, takes outcomes.
 
 The public names are those of `__init__.pyi`; each is imported when it is first used.
 """

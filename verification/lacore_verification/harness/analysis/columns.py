@@ -1,4 +1,4 @@
-"""Columns of the results that the analysis stands on: which name a run, which hold numbers."""
+"""Columns of results that identify a run or contain numbers."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
@@ -11,9 +11,9 @@ from lacore.numerics.arrays import Bools, Floats
 from lacore.reporting.errors import InputError, suggest
 
 PROBLEM = ("case", "variant", "mesh")
-"""Columns that name what is solved, with all of ``param_*`` and ``size_*``."""
+"""Columns that identify a problem, with all of ``param_*`` and ``size_*``."""
 SOLVER = ("backend", "coupling")
-"""Columns that name what solves it, with all of ``setting_*`` and ``option_*``."""
+"""Columns that identify a solver, with all of ``setting_*`` and ``option_*``."""
 SOLVED = la.Status.SOLVED.label
 
 
@@ -25,25 +25,25 @@ def require_columns(frame: pd.DataFrame, names: Iterable[str]) -> None:
 
 
 def with_prefix(frame: pd.DataFrame, *prefixes: str) -> list[str]:
-    """Columns whose names begin so, in their order."""
+    """Return the columns with these prefixes, in their order."""
     return [str(name) for name in frame.columns if str(name).startswith(prefixes)]
 
 
 def problem_columns(frame: pd.DataFrame) -> list[str]:
-    """All columns that tell one problem from another."""
+    """Return all columns that distinguish problems."""
     return [*PROBLEM, *with_prefix(frame, "param_", "size_")]
 
 
 def solver_columns(frame: pd.DataFrame) -> list[str]:
-    """All columns that tell one way of solving from another."""
+    """Return all columns that distinguish solvers."""
     return [*SOLVER, *with_prefix(frame, "setting_", "option_")]
 
 
 def numbers(frame: pd.DataFrame, name: str) -> Floats:
-    """A column as floats, NaN where there is none.
+    """Return a column as floats, with NaN for missing values.
 
     Raises:
-        InputError: no such column, or no numbers in it.
+        InputError: there is no such column, or it has no numbers.
     """
     require_columns(frame, [name])
     try:
@@ -54,10 +54,10 @@ def numbers(frame: pd.DataFrame, name: str) -> Floats:
 
 
 def truths(frame: pd.DataFrame, name: str) -> Bools:
-    """Where a column says True; nowhere else, whatever stands there.
+    """Return where a column is true; all other values count as false.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     require_columns(frame, [name])
     told = [isinstance(v, bool | np.bool_ | int | float) and v == 1 for v in frame[name]]
@@ -65,17 +65,17 @@ def truths(frame: pd.DataFrame, name: str) -> Bools:
 
 
 def says(frame: pd.DataFrame, name: str, *words: str) -> Bools:
-    """Where a column holds one of some words.
+    """Return where a column has one of the given values.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     require_columns(frame, [name])
     return np.array(frame[name].isin(words), dtype=bool)
 
 
 def answered_itself(frame: pd.DataFrame) -> Bools:
-    """Where the answer is that of the backend alone; so are all answers of older results.
+    """Return where the result is from the backend alone, as are all older results.
 
     Raises:
         InputError: There is no column `backend`.
@@ -88,10 +88,12 @@ def answered_itself(frame: pd.DataFrame) -> Bools:
 
 
 def groups(frame: pd.DataFrame, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
-    """Parts of equal values in some columns, missing ones count as equal; in order of appearance.
+    """Yield parts with equal values in some columns, in order of appearance.
+
+    Missing ones are equal.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     require_columns(frame, by)
     if not by:
@@ -102,5 +104,5 @@ def groups(frame: pd.DataFrame, by: Sequence[str]) -> Iterator[tuple[dict[str, A
 
 
 def table(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
-    """Rows as a frame that has all its columns even without a row."""
+    """Return rows as a frame that has all its columns even without a row."""
     return pd.DataFrame(rows, columns=list(dict.fromkeys(columns)))

@@ -1,4 +1,4 @@
-"""What runs cost: inner solves, iterations, contraction and time; and what an accuracy costs."""
+"""Cost of runs: inner solves, iterations, contraction and time; and cost of accuracy."""
 
 from collections.abc import Sequence
 from math import isfinite, nan
@@ -21,27 +21,26 @@ from lacore_verification.harness.analysis.columns import (
 from lacore_verification.harness.verdicts.words import FAIL, SKIPPED
 
 BY = ("case", "variant", "backend", "coupling")
-LEVELS = (1e-2, 1e-3, 1e-4)  # relative errors: 1 %, 0.1 %, 0.01 %
+LEVELS = (1e-2, 1e-3, 1e-4)  # Relative errors of 1 %, 0.1 % and 0.01 %.
 
 
 def efforts(results: pd.DataFrame, by: Sequence[str] = BY) -> pd.DataFrame:
-    """Iterations and contraction of the loops, medians over the certified runs of a group.
+    """Return iterations and contraction of the loops, medians over the certified runs of a group.
 
     Args:
-        results: one row a run; skipped ones do not count.
-        by: columns that make a group.
+        results: one row for each run; skipped ones do not count.
+        by: columns that define a group.
 
     Returns:
-        Columns `by`; ``runs``; ``certified``, how many ended with a certified load factor, the
-        only ones that the rest is of: ``inner_solves`` and ``most_inner_solves``, median and
-        largest number of inner solves of the loop; ``iterations``, of the solver, over all inner
-        solves; ``iterations_per_solve``; ``contraction``, the ratio seen between a change and what
-        the loop made of it (below 1 the plain loop converges), and ``worst_contraction``;
-        ``solve_time``, s; ``time_per_solve``, s; ``peak_memory_mb``, the largest. NaN where
-        nothing is known.
+        Columns `by`; ``runs``; ``certified``, the number with a certified load factor, to which all
+        other columns refer: ``inner_solves`` and ``most_inner_solves``, median and largest number
+        of inner solves of the loop; ``iterations``, of the solver, over all inner solves;
+        ``iterations_per_solve``; ``contraction``, the observed ratio of consecutive changes of the
+        loop (below 1 the plain loop converges), and ``worst_contraction``; ``solve_time``, s;
+        ``time_per_solve``, s; ``peak_memory_mb``, the largest. NaN where nothing is known.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     rows = []
     for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):
@@ -99,23 +98,23 @@ def costs_of_accuracy(
     levels: Sequence[float] = LEVELS,
     cost: str = "solve_time",
 ) -> pd.DataFrame:
-    """The cheapest run of each group whose error is at most a level, for each level.
+    """Return the cheapest run of each group whose error is at most a level, for each level.
 
-    Only certified runs (status ``solved``) count. Where none is that accurate there is no cost,
+    Only certified runs (status ``solved``) count. If none is that accurate there is no cost,
     whatever the trend.
 
     Args:
-        results: one row a run.
-        levels: of |error|, > 0.
+        results: one row for each run.
+        levels: of abs(error), > 0.
         cost: column.
 
     Returns:
-        Columns `BY`; ``level``; ``cost``, in the unit of its column, NaN where never; ``run``, id
-        of that run where there are any; ``mesh``, ``n_dofs``, ``reached``, |error|, of that run;
-        ``closest``, the smallest |error| of the group; ``reason``, why never.
+        Columns `BY`; ``level``; ``cost``, in the unit of its column, NaN if not reached; ``run``,
+        id of that run if there are any; ``mesh``, ``n_dofs``, ``reached``, abs(error), of that run;
+        ``closest``, the smallest abs(error) of the group; ``reason``, why it is not reached.
 
     Raises:
-        InputError: no such column, or a level that is not positive.
+        InputError: there is no such column, or a level is not positive.
     """
     for level in levels:
         require_positive("level", level)
@@ -144,20 +143,20 @@ def costs_of_accuracy(
 
 
 def couplings(results: pd.DataFrame) -> pd.DataFrame:
-    """Each coupling with each backend, over all variants that have a load factor.
+    """Return each coupling with each backend, over all variants that have a load factor.
 
-    That is known, or some coupling has found one. Brackets and ranges are no couplings.
+    It is known, or some coupling has found one. Brackets and ranges are no couplings.
 
     Args:
-        results: one row a run; skipped ones do not count.
+        results: one row for each run; skipped ones do not count.
 
     Returns:
-        Columns ``backend``, ``coupling``; ``cases``, runs that were to end with a number;
-        ``solved``, how many of them ended with a certified one; ``median`` and ``most``, inner
-        solves of these, NaN without any; ``failed``, runs judged wrong.
+        Columns ``backend``, ``coupling``; ``cases``, runs of variants with a load factor;
+        ``solved``, the number with a certified one; ``median`` and ``most``, inner solves of these,
+        NaN without any; ``failed``, runs with a FAIL verdict.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     looped = results[~says(results, "coupling", BRACKET, RANGE)]
     ran = looped[~says(looped, "verdict", SKIPPED)]
@@ -189,6 +188,6 @@ def _variants(results: pd.DataFrame) -> list[tuple[str, str]]:
 
 
 def _has_load(results: pd.DataFrame) -> Bools:
-    """Where a load factor is known, or is found where nothing is known."""
+    """Return where a load factor is known, or was found without a reference."""
     reference = numbers(results, "reference")
     return np.isfinite(reference) | (np.isnan(reference) & says(results, "status", SOLVED))

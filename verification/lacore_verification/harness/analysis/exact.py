@@ -1,4 +1,4 @@
-"""The exact discrete value alpha* beside each regularised row, and what it errs by (T19)."""
+"""Exact discrete values alpha* for regularised rows, and their errors (T19)."""
 
 import numpy as np
 import pandas as pd
@@ -8,22 +8,22 @@ from lacore_verification.harness.analysis.columns import SOLVED, numbers, proble
 from lacore_verification.harness.analysis.extrapolation import lambda_limits
 
 OF_THEIR_OWN = tuple(name for name, kind in COUPLINGS.items() if kind.model)
-"""Couplings that solve another problem than Coulomb's: each has an alpha* of its own."""
+"""Couplings that solve another problem than Coulomb's: each has its own alpha*."""
 EXTRAPOLATED = "extrapolated"
 _LAWS = "laws"
 
 
 def with_exact(results: pd.DataFrame) -> pd.DataFrame:
-    """Regularised rows with the exact discrete value of the same problem, mesh and friction laws.
+    """Return regularised rows with the exact value of the same problem, mesh and friction laws.
 
-    It is the load factor of an exact backend, the one with the smallest gap of several, or else
-    the limit of `lambda_limits` with the smallest uncertainty; of neither, NaN. Where Coulomb
-    load factors are not unique, an exact and a regularised solve may have found different ones,
-    and the error is no regularisation error. The gap does not bound the error of a Coulomb load
-    factor (T15): to see small errors of a sweep, solve the exact one to 1e-9.
+    It is the load factor of an exact backend, the one with the smallest gap of several, or else the
+    limit of `lambda_limits` with the smallest uncertainty, or else NaN. Where Coulomb load factors
+    are not unique, an exact and a regularised solve may have found different ones, and the error is
+    no regularisation error. The gap does not bound the error of a Coulomb load factor (T15): to
+    resolve small errors of a sweep, solve the exact one to 1e-9.
 
     Args:
-        results: one row a run.
+        results: one row for each run.
 
     Returns:
         The solved regularised rows, with all their columns, and ``alpha_star``;
@@ -82,6 +82,6 @@ def _known(parts: list[pd.DataFrame]) -> list[pd.DataFrame]:
 
 
 def _best(found: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """Exact before extrapolated, then the smallest noise."""
+    """Return the best value for each key: exact before extrapolated, then the smallest noise."""
     ordered = found.sort_values(["rank", "alpha_star_noise"], kind="stable")
     return ordered.drop_duplicates(keys).drop(columns="rank")

@@ -1,4 +1,4 @@
-"""What values tend to: under refinement with an unknown order, under r -> 0 with known ones."""
+"""Limits of values: under refinement with an unknown order, for r -> 0 with known ones."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -20,21 +20,21 @@ from lacore_verification.harness.analysis.columns import (
     table,
 )
 
-LOWEST, HIGHEST = 0.1, 10.0  # orders outside are no convergence, or too good to be one
-ACCURACY = 1e-8  # relative: what the solvers of regularised programs are asked for
+LOWEST, HIGHEST = 0.1, 10.0  # Orders outside are no convergence, or implausibly high.
+ACCURACY = 1e-8  # Relative tolerance of the solvers of regularised programs.
 _PENALTIES = ("option_eta", "option_bulk", "option_normal", "option_tangential")
 SETTLED, THREE, HERMITE = "settled", "Richardson, three values", "Hermite, two values (T19)"
 
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """A limit, and how far it may be trusted.
+    """A limit, with its uncertainty.
 
     Attributes:
         value: in the unit of the values; NaN where it is refused.
         uncertainty: an estimate, no bound; same unit.
         order: estimated; NaN where it is refused or not needed.
-        reason: why it is refused; empty where it is not.
+        reason: why it is refused; empty otherwise.
     """
 
     value: float = nan
@@ -44,11 +44,11 @@ class Extrapolation:
 
 
 def richardson(size: Floats, values: Floats, accuracy: float = 0.0) -> Extrapolation:
-    """Limit of values for size -> 0 by ``value = limit + c size**order``, order unknown.
+    """Return the limit of values for size -> 0 by ``value = limit + c size**order``, order unknown.
 
     The three smallest sizes give limit, c and order. With one triple the uncertainty is the whole
-    correction ``|limit - last value|``: nothing shows that the order holds. With more it is the
-    largest change of the limit against the two triples before the last one.
+    correction ``|limit - last value|``: nothing shows that the order is correct. With more it is
+    the largest change of the limit against the two triples before the last one.
 
     Refused: fewer than three values; values that do not change monotonously, over the triples that
     are used; differences below the accuracy; an order outside [0.1, 10].
@@ -97,20 +97,20 @@ def _triple(h: Floats, v: Floats, accuracy: float) -> Extrapolation:
 
 
 def refinement_limits(results: pd.DataFrame) -> pd.DataFrame:
-    """Load factors extrapolated to an infinitely fine mesh.
+    """Return load factors extrapolated to an infinitely fine mesh.
 
     Args:
-        results: one row a run on a plane mesh; only those with status ``solved`` count. The order
-            is meant in ``h = n_elements**(-1/2)``.
+        results: one row for each run on a plane mesh; only those with status ``solved`` count. The
+            order refers to ``h = n_elements**(-1/2)``.
 
     Returns:
-        One row a group, by all columns that tell runs apart but mesh and its sizes, of those with
-        two values or more: ``values``, their number; ``finest``, the load factor on the finest
-        mesh; ``limit``, ``uncertainty``, ``order``, ``reason`` as in `Extrapolation`;
+        One row for each group, by all columns that distinguish runs except mesh and its sizes, of
+        those with two values or more: ``values``, their number; ``finest``, the load factor on the
+        finest mesh; ``limit``, ``uncertainty``, ``order``, ``reason`` as in `Extrapolation`;
         ``reference`` of the case.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     names = [*problem_columns(results), *solver_columns(results)]
     by = [name for name in names if not name.startswith(("mesh", "size_"))]
@@ -130,7 +130,7 @@ def refinement_limits(results: pd.DataFrame) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class LambdaLimit:
-    """What lambda tends to for r -> 0, from regularised solves at two or three r.
+    """Limit of lambda for r -> 0, from regularised solves at two or three r.
 
     Attributes:
         r: the smallest one used.
@@ -139,8 +139,8 @@ class LambdaLimit:
         alpha_reg: at `r`.
         limit: extrapolated value; NaN where it is refused.
         uncertainty: estimate of its error, no bound.
-        order: with which lambda converges, where that was estimated.
-        rule: how it was found.
+        order: of the convergence of lambda, where that was estimated.
+        rule: method of the extrapolation.
         reason: why it is refused.
     """
 
@@ -159,7 +159,7 @@ LIMIT_COLUMNS = tuple("lambda" if f.name == "lambda_" else f.name for f in field
 
 
 def hermite_limit(r: Floats, alpha_reg: Floats, energy: Floats) -> tuple[float, float]:
-    r"""Limit of ``alpha_reg`` for r -> 0 from two r, with all penalties proportional to 1/r.
+    r"""Return the limit of ``alpha_reg`` for r -> 0 from two r, with penalties proportional to 1/r.
 
     By duality ``alpha_reg(r) = max (alpha - r Q*(sigma))`` over statically admissible stresses
     (T17, T18), with Q* the complementary energy of the penalties at r = 1. The maximiser has
@@ -167,15 +167,15 @@ def hermite_limit(r: Floats, alpha_reg: Floats, energy: Floats) -> tuple[float, 
 
         d alpha_reg / dr = -C / r,    lambda = alpha_reg + C = alpha_reg - r d alpha_reg / dr.
 
-    So lambda is where the tangent at r meets r = 0: one solve, the leading order taken out,
-    which is why ``lambda <= alpha*`` and why its order is one higher (T19). With
-    ``alpha_reg = alpha* - a r + b r^2 - c r^3``: ``lambda = alpha* - b r^2 + 2 c r^3``. Two solves
-    at ``r_1 > r_2 = r_1/q`` take out more:
+    Thus lambda is where the tangent at r meets r = 0: one solve, with the leading order eliminated,
+    which is why ``lambda <= alpha*`` and why its order is one higher (T19). With ``alpha_reg =
+    alpha* - a r + b r^2 - c r^3``: ``lambda = alpha* - b r^2 + 2 c r^3``. Two solves at ``r_1 > r_2
+    = r_1/q`` eliminate more:
 
         lambda_2 + (lambda_2 - lambda_1)/(q^2 - 1)                        error O(r^3)
         value at 0 of the cubic with both values and both slopes          error O(r^4)
 
-    All of it holds at frozen reactions only: `lambda_limits` minds that.
+    All of this is valid at frozen reactions only, which `lambda_limits` respects.
 
     Args:
         r: larger and smaller one, shape (2,).
@@ -186,7 +186,7 @@ def hermite_limit(r: Floats, alpha_reg: Floats, energy: Floats) -> tuple[float, 
     """
     slope = -energy / r
     step = r[0] - r[1]
-    t = -r[1] / step  # 0 at r_2, 1 at r_1
+    t = -r[1] / step  # 0 at r_2, 1 at r_1.
     cubic = (
         (2 * t**3 - 3 * t**2 + 1) * alpha_reg[1]
         + (t**3 - 2 * t**2 + t) * step * slope[1]
@@ -199,25 +199,25 @@ def hermite_limit(r: Floats, alpha_reg: Floats, energy: Floats) -> tuple[float, 
 
 
 def lambda_limits(results: pd.DataFrame, by: Sequence[str] | None = None) -> pd.DataFrame:
-    """Extrapolation of lambda in r: one row for each r but the largest of a sweep.
+    """Return the extrapolation of lambda in r: one row for each r but the largest of a sweep.
 
     One solve without a loop on reactions, at r and at the next larger one: `hermite_limit`
     (``rule`` is "Hermite, two values (T19)"; uncertainty: its difference from the limit of one
-    order less). After a loop on reactions these orders are not known, for reactions depend on r,
+    order less). After a loop on reactions these orders are not known, as reactions depend on r,
     too: Richardson with an estimated order on lambda at r and the two next larger ones
     ("Richardson, three values"). Where lambda changed by no more than its accuracy it is its own
     limit, and the change its uncertainty ("settled"). The accuracy is added to each uncertainty.
 
     Args:
-        results: one row a run; only solved ones with alpha_reg and energy count, and none of those
-            with a penalty of its own (``option_eta``, ...): that one does not follow r.
-        by: columns whose equal values make a sweep; None: all that tell runs apart, but r.
+        results: one row for each run; only solved ones with alpha_reg and energy count, and none
+            with a separate penalty (``option_eta``, ...), which does not follow r.
+        by: columns whose equal values define a sweep; None: all that distinguish runs, except r.
 
     Returns:
         Columns `by` and those of `LambdaLimit`, r falling.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     if by is None:
         names = [*problem_columns(results), *solver_columns(results)]

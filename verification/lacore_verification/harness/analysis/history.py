@@ -1,4 +1,4 @@
-"""Stored results of several versions next to each other: rates, times, errors, and what changed.
+"""Comparison of stored results of several versions: rates, times, errors, and changes.
 
 Versions are compared on the runs that all of them have, because a version that ran fewer problems
 is neither better nor worse.
@@ -49,7 +49,7 @@ class History:
             geometric mean of the solve times in s, ``ratio`` to the first version, and
             ``worst_error``.
         changes: One row for each run whose verdict or load factor differs between a version and
-            the one before that has the run: ``case``, ``variant``, ``backend``, ``coupling``,
+            the previous one that has the run: ``case``, ``variant``, ``backend``, ``coupling``,
             ``mesh``, ``settings``, ``before``, ``after``, ``verdict_before``, ``verdict_after``,
             ``load_factor_before``, ``load_factor_after``, ``change``, relative, ``lacore_before``,
             ``lacore_after``, the version of lacore that computed each, if the results have it.
@@ -92,7 +92,7 @@ def history(versions: Mapping[str, pd.DataFrame], tolerance: float = SOLVER) -> 
 
 
 def _with_keys(results: pd.DataFrame) -> pd.DataFrame:
-    """Add what identifies a run in all versions; of several rows of a run the last one remains."""
+    """Add the identity of a run in all versions; of several rows of a run the last one remains."""
     names = sorted({*problem_columns(results), *solver_columns(results)})
     keys = [
         tuple((name, text) for name in names if (text := _text(record[name])))

@@ -1,4 +1,4 @@
-"""Noise of the machine, and which rankings of backends by time it leaves undecided."""
+"""Noise of the machine, and rankings of backends by time that it leaves undecided."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -14,21 +14,21 @@ from lacore_verification.harness.analysis.profiles import costs
 CALIBRATIONS = ("calibration_before", "calibration_after")
 LEAST = 5
 """Times of the calibration from which a scatter is computed."""
-_CENTRAL = (0.16, 0.84)  # quantiles that are one standard deviation from the mean of a normal law
-_SIGNIFICANT = 1.96  # standard deviations of a normal law within which 95 % lie
+_CENTRAL = (0.16, 0.84)  # Quantiles one standard deviation from the mean of a normal distribution.
+_SIGNIFICANT = 1.96  # Standard deviations of a normal distribution that contain 95 %.
 PAIRS = ("one", "other", "problems", "ratio", "undecided")
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Scatter of the times of a short program that was solved again and again.
+    """Scatter of the times of a short program that was solved repeatedly.
 
     Attributes:
-        count: Of the times.
-        median: Of them, s; NaN without any.
-        scatter: Relative standard deviation, from the quantiles at 16 and 84 %, so that a few
+        count: number of times.
+        median: median time, s; NaN without any.
+        scatter: relative standard deviation, from the quantiles at 16 and 84 %, so that a few
             interruptions do not count; NaN if there are too few.
-        factor: Ratio of two times up to which they may differ by noise alone, in 95 % of pairs.
+        factor: ratio of two times up to which they may differ by noise alone, in 95 % of pairs.
     """
 
     count: int
@@ -37,15 +37,15 @@ class Noise:
     factor: float
 
     def record(self) -> dict[str, float]:
-        """As plain data."""
+        """Return the noise as plain data."""
         return dict(vars(self))
 
 
 def noise(results: pd.DataFrame) -> Noise:
-    """Return the noise that the calibrations of runs show.
+    """Return the noise of the calibrations of runs.
 
     Args:
-        results: One row a run; older results have no calibrations.
+        results: one row for each run; older results have no calibrations.
     """
     known = [numbers(results, name) for name in CALIBRATIONS if name in results.columns]
     times = np.concatenate([*known, np.zeros(0)])
@@ -62,7 +62,7 @@ def rankings(results: pd.DataFrame, found: Noise) -> pd.DataFrame:
     """Return all pairs of solvers, with the ratio of their times.
 
     Args:
-        results: One row a run, with a positive `solve_time` if it is certified.
+        results: One row for each run, with a positive `solve_time` if it is certified.
         found: See `noise`.
 
     Returns:

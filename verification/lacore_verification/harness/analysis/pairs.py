@@ -1,4 +1,4 @@
-"""Solvers pair by pair: on how many problems each is faster, or is the only one that solves."""
+"""Pairwise comparison of solvers: problems on which each is faster, or is the only one to solve."""
 
 from itertools import combinations
 from math import isfinite
@@ -18,9 +18,9 @@ OUTCOMES = ("first_faster", "tie", "second_faster", "only_first", "only_second",
 
 
 def pairwise_outcomes(results: pd.DataFrame, found: Noise) -> pd.DataFrame:
-    """Count for each pair of solvers on how many problems which of them does better.
+    """Count for each pair of solvers the problems on which each is better.
 
-    Only what a backend answered itself, and what its verdict confirms, counts as solved.
+    Only results of the backend itself that its verdict confirms count as solved.
 
     Args:
         results: One row for each problem, backend and coupling. Skipped runs do not count.
@@ -30,7 +30,7 @@ def pairwise_outcomes(results: pd.DataFrame, found: Noise) -> pd.DataFrame:
         Columns ``first``, ``second``; ``problems`` that both were run on; ``both``, problems that
         both solved; of these ``first_faster``, ``tie``, where the noise can explain the difference
         of the times, and ``second_faster``, all None if the noise is not known; ``only_first``,
-        ``only_second``, ``neither``. Pairs without a common problem are left out.
+        ``only_second``, ``neither``. Pairs without a common problem are omitted.
 
     Raises:
         InputError: There is no such column, or two runs of one solver on one problem.
@@ -39,7 +39,7 @@ def pairwise_outcomes(results: pd.DataFrame, found: Noise) -> pd.DataFrame:
     cost = costs(ran, "solve_time", "verdict", "keep").cost
     problem = ran.groupby(problem_columns(ran), dropna=False, sort=False).ngroup()
     names = np.array(solver_names(ran), dtype=object)
-    tried = pd.crosstab(problem.to_numpy(), names) > 0  # rows as of `cost`
+    tried = pd.crosstab(problem.to_numpy(), names) > 0  # Its rows are those of `cost`.
     rows = []
     for first, second in combinations(cost.columns, 2):
         common = (tried[first] & tried[second]).to_numpy()

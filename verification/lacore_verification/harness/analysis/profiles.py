@@ -1,7 +1,7 @@
-"""Solvers side by side: performance profiles, data profiles, shifted geometric means, rates.
+"""Comparison of solvers: performance profiles, data profiles, shifted geometric means, rates.
 
-Two filters decide the picture, and both are arguments without a default that are named in the
-result: which runs count as solved, and whether problems that nobody solved are kept.
+Two filters are decisive, and both are arguments without a default that are named in the result:
+which runs count as solved, and whether problems that no solver solved are kept.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -37,11 +37,11 @@ SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
         ),
     }
 )
-"""What may count as solved: the solver says so; residuals that we computed; these and a reference.
+""" Criteria for solved runs: the solver's claim; residuals computed here; these and a reference.
 
-Only what a backend answered itself counts: not what lacore found by following a path. The last as
-far as there is a reference. A verdict also passes what ends with a status that is the
-right answer, such as ``locked``.
+Only results of the backend itself count, not those that lacore found by following a path. The last
+one is used as far as there is a reference. A verdict also accepts a run that ends with the correct
+status, such as ``locked``.
 """
 UNSOLVED: Mapping[str, str] = MappingProxyType(
     {"keep": "problems that nobody solved are kept", "drop": "they are left out"}
@@ -50,14 +50,14 @@ UNSOLVED: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Costs:
-    """What each solver needed for each problem.
+    """Costs of each solver for each problem.
 
     Attributes:
-        cost: one row a problem, one column a solver (index and columns are named by its labels);
-            +inf where it was not solved or not run.
-        unit: number that the cost of each problem may be divided by, shape (problems,).
+        cost: one row for each problem, one column for each solver (index and columns are named by
+            its labels); +inf where it was not solved or not run.
+        unit: number by which the cost of each problem may be divided, shape (problems,).
         nobody: problems that no solver solved, before the filter.
-        filters: both filters, and what was measured, in words.
+        filters: both filters, and the measure, as text.
     """
 
     cost: pd.DataFrame
@@ -75,17 +75,18 @@ def costs(
     problem: Sequence[str] | None = None,
     per: str | None = None,
 ) -> Costs:
-    """Costs of solved runs as a matrix of problems and solvers.
+    """Return costs of solved runs as a matrix of problems and solvers.
 
     Skipped runs, and problems that a solver was not run on, are not solved by it.
 
     Args:
-        results: one row a run.
+        results: one row for each run.
         measure: column of the cost, positive: ``solve_time``, ``iterations``, ...
         solved_by: ``claim``, ``certificate`` or ``verdict``; see `SOLVED_BY`.
-        unsolved: problems that nobody solved: ``keep`` or ``drop``.
-        solver: columns that name a solver.
-        problem: columns that name a problem; None: case, variant, mesh, ``param_*``, ``size_*``.
+        unsolved: problems that no solver solved: ``keep`` or ``drop``.
+        solver: columns that identify a solver.
+        problem: columns that identify a problem; None: case, variant, mesh, ``param_*``,
+            ``size_*``.
         per: column of `unit`, the same for all runs of a problem; None: 1.
 
     Raises:
@@ -145,7 +146,7 @@ def solver_names(results: pd.DataFrame, solver: Sequence[str] = SOLVER) -> list[
 
 
 def performance_profile(found: Costs) -> pd.DataFrame:
-    """Dolan-More: share of problems that a solver solves within a factor of the best solver.
+    """Return Dolan-Moré profiles: the share of problems solved within a factor of the best solver.
 
     Returns:
         ``solver``; ``factor``, tau >= 1; ``share``, rho(tau) in [0, 1], of all problems kept: the
@@ -161,16 +162,18 @@ def performance_profile(found: Costs) -> pd.DataFrame:
 
 
 def data_profile(found: Costs) -> pd.DataFrame:
-    """More-Wild: share of problems that a solver solves within a budget, per unit of the problem.
+    """Return Moré-Wild profiles.
+
+    The share of problems solved within a budget per unit of the problem.
 
     The budget is the cost over `Costs.unit` + 1: with ``per="n_dofs"`` and iterations as measure
-    those per unknown. The plain cost: `budget_profile`.
+    those per unknown. For the plain cost see `budget_profile`.
 
     Returns:
         As `performance_profile`, with ``budget`` in place of ``factor``, from 0 on.
 
     Raises:
-        InputError: a problem that somebody solved has no unit.
+        InputError: a problem that some solver solved has no unit.
     """
     matrix = found.cost.to_numpy(dtype=float)
     if np.isnan(found.unit[np.isfinite(matrix).any(axis=1)]).any():
@@ -179,7 +182,7 @@ def data_profile(found: Costs) -> pd.DataFrame:
 
 
 def budget_profile(found: Costs) -> pd.DataFrame:
-    """Share of problems that a solver solves within a cost: ``budget``, in its unit, from 0 on.
+    """Return the share of problems solved within a cost: ``budget``, in its unit, from 0 on.
 
     Returns:
         As `data_profile`.
@@ -205,12 +208,12 @@ def _with_filters(frame: pd.DataFrame, found: Costs) -> pd.DataFrame:
 
 
 def shifted_geometric_means(found: Costs, shift: float, limit: float) -> pd.DataFrame:
-    """``exp(mean(log(cost + shift))) - shift`` of each solver, over all problems kept.
+    """Return ``exp(mean(log(cost + shift))) - shift`` of each solver, over all problems kept.
 
     Args:
         found: from `costs`.
         shift: in the unit of the cost, >= 0: costs far below it count alike.
-        limit: cost that a problem counts with that the solver did not solve, the time limit.
+        limit: cost of a problem that the solver did not solve, the time limit.
 
     Returns:
         ``solver``; ``mean``; ``ratio`` to the smallest mean; ``solved``, problems solved;
@@ -246,22 +249,22 @@ def shifted_geometric_means(found: Costs, shift: float, limit: float) -> pd.Data
 
 
 def rates(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
-    """What solvers claim beside what is right.
+    """Return rates of claimed, certified and correct results.
 
     Args:
-        results: one row a run; skipped ones do not count.
-        by: columns that name a solver.
+        results: one row for each run; skipped ones do not count.
+        by: columns that identify a solver.
 
     Returns:
-        Columns `by`; ``runs``; ``claimed``, runs that the solver itself called solved;
+        Columns `by`; ``runs``; ``claimed``, runs that the solver itself reported as solved;
         ``certified``, runs whose recomputed residuals prove the value; ``correct``, runs that pass
         against certificate and reference; ``unjudged``, proven, but without a reference;
         ``wrong_claims``, claimed, and neither correct nor unjudged; ``success_rate =
-        claimed/runs``, ``certified_rate``; ``correctness_rate``, of the runs that can be judged,
-        NaN without any.
+        claimed/runs``, ``certified_rate``; ``correctness_rate``, of the runs with a reference, NaN
+        without any.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     rows = []
     for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):

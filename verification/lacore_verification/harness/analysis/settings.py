@@ -50,13 +50,13 @@ def settings(runs: Iterable[Run]) -> pd.DataFrame:
 
 
 def with_settings(results: pd.DataFrame) -> pd.DataFrame:
-    """Return results in which each setting of a backend is a backend of its own.
+    """Return results in which each setting of a backend is a separate backend.
 
     Its name has the changed options, as in ``clarabel tolerance=1e-06``. Backends with more than
     `MOST_SETTINGS` settings keep their name and their columns ``option_*``.
 
     Args:
-        results: One row a run; older results have no column ``options``.
+        results: One row for each run; older results have no column ``options``.
     """
     if "options" not in results.columns:
         return results
@@ -74,7 +74,7 @@ def with_settings(results: pd.DataFrame) -> pd.DataFrame:
 
 
 def _defaults(backend: str) -> dict[str, Any]:
-    with suppress(la.LacoreError):  # of a missing one the rows say so
+    with suppress(la.LacoreError):  # The rows report a missing backend.
         found = load_backend(backend).Options
         made = found()
         return {own.name: getattr(made, own.name) for own in fields(found)}

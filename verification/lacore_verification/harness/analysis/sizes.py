@@ -1,6 +1,6 @@
-"""How often solvers succeed by the size of the problem, and what accuracy they reach in which time.
+"""Success rates by problem size, and accuracy against time.
 
-Only what a backend answered itself counts, as in `lacore_verification.harness.analysis.profiles`.
+Only results of the backend itself count, as in `lacore_verification.harness.analysis.profiles`.
 """
 
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ RESIDUALS = (
 """Residuals of the certificate, of forces, of velocities and of both."""
 RESIDUAL_SHIFT = 1e-12
 """Shift of their geometric means: smaller residuals count alike."""
-LEAST_RESIDUAL = 1e-16  # round-off: the logarithm of 0 has no mean
+LEAST_RESIDUAL = 1e-16  # Round-off, as the logarithm of 0 has no mean.
 
 
 def size_classes(sizes: Sequence[int] = SIZES) -> list[str]:
@@ -54,8 +54,8 @@ def size_classes(sizes: Sequence[int] = SIZES) -> list[str]:
 def with_size_classes(results: pd.DataFrame, sizes: Sequence[int] = SIZES) -> pd.DataFrame:
     """Add the column ``unknowns`` with the size class of the problem.
 
-    A run that was lost has no number of unknowns. It gets the class of the other runs of its
-    problem, so that large problems that a solver loses still count as large.
+    A lost run has no number of unknowns. It gets the class of the other runs of its problem, so
+    that large problems that a solver loses still count as large.
 
     Args:
         results: One row for each run, with the columns of the problem and ``n_dofs``.
@@ -85,7 +85,7 @@ def rates_by_size(results: pd.DataFrame) -> pd.DataFrame:
         results: One row for each run.
 
     Returns:
-        The columns of `rates`, with ``unknowns`` behind those that name a solver.
+        The columns of `rates`, with ``unknowns`` after those that identify a solver.
 
     Raises:
         InputError: There is no such column.
@@ -98,7 +98,7 @@ def rates_by_size(results: pd.DataFrame) -> pd.DataFrame:
 
 
 def accuracies(results: pd.DataFrame) -> pd.DataFrame:
-    """Return time, error and largest residual of the runs that solvers answered themselves.
+    """Return time, error and largest residual of the runs with results of the solvers themselves.
 
     Args:
         results: One row for each run. Runs that were skipped do not count, nor those without a
@@ -131,7 +131,7 @@ def residual_means(results: pd.DataFrame) -> pd.DataFrame:
         results: One row for each run.
 
     Returns:
-        Columns that name a solver; ``measured``, runs with residuals; ``mean_residual``;
+        Columns that identify a solver; ``measured``, runs with residuals; ``mean_residual``;
         ``worst_residual``; ``worst_error``, the largest error of all runs with a certified result.
         NaN without any.
 
@@ -162,7 +162,7 @@ def separate_residual_means(results: pd.DataFrame) -> pd.DataFrame:
         results: One row for each run.
 
     Returns:
-        Columns that name a solver, and a column ``mean_NAME`` for each of `RESIDUALS`,
+        Columns that identify a solver, and a column ``mean_NAME`` for each of `RESIDUALS`,
         ``exp(mean(log(residual + shift))) - shift`` with the shift `RESIDUAL_SHIFT`; NaN where no
         run has this residual.
 
@@ -189,16 +189,16 @@ def _shifted_mean(residual: Floats) -> float:
 
 
 def answers(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
-    """Count for each solver who found the answers of its runs.
+    """Count for each solver which component found the results of its runs.
 
     Args:
-        results: One row for each run. Results of older versions do not state who answered.
-        by: Columns that name a solver.
+        results: One row for each run. Results of older versions do not have this information.
+        by: Columns that identify a solver.
 
     Returns:
-        Columns `by`; ``runs``; ``alone``, judged runs that the backend answered itself;
-        ``with_lacore``, runs that lacore answered or helped to answer by following a path;
-        ``unanswered``, all others.
+        Columns `by`; ``runs``; ``alone``, runs with a result of the backend itself;
+        ``with_lacore``, runs with a result that lacore found, or helped to find, by following a
+        path; ``unanswered``, all others.
 
     Raises:
         InputError: There is no such column.

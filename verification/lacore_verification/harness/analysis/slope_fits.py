@@ -1,6 +1,6 @@
-"""How an error follows a parameter: slope, the range over which it holds, and the floor below it.
+"""Power laws between an error and a parameter: slope, its range, and the floor below it.
 
-Nothing is fitted that the points do not show: without a range there is no slope but a reason.
+Nothing is fitted beyond the points: without a range there is a reason in place of a slope.
 """
 
 from collections.abc import Sequence
@@ -25,30 +25,30 @@ from lacore_verification.harness.analysis.columns import (
     table,
 )
 
-FLAT = 0.25  # slope below which an error does not follow the parameter
-APART = 2.0  # factor from the fitted line at which something else has taken over
-BAR = 1e-6  # relative: what the certificate lets through; no smaller error is one of a mesh
+FLAT = 0.25  # Smaller slopes mean that the error does not depend on the parameter.
+APART = 2.0  # Factor from the fitted line beyond which the error no longer follows it.
+BAR = 1e-6  # Relative tolerance of the certificate; smaller errors are no discretisation errors.
 
 
 @dataclass(frozen=True)
 class Slope:
-    """A power law ``|error| = coefficient * parameter**slope``, and where it holds.
+    """A power law ``|error| = coefficient * parameter**slope``, and its range.
 
     Attributes:
         slope: of log |error| against log parameter; NaN where there is none.
         standard_error: of the slope, by regression.
         low, high: confidence interval of the slope (Student, points - 2 degrees of freedom). Errors
-            of a discretisation are not random: it says how far the points scatter about the line.
+            of a discretisation are not random: it measures the scatter of points about the line.
         coefficient: |error| at parameter 1 on the line, in units of the error.
         start, stop: smallest and largest parameter of the range.
-        points: in the range.
+        points: number of points in the range.
         usable: points with a finite error and a positive parameter.
         spread: between the smallest and the largest local slope in the range.
-        floor: median |error| of the points that lie beyond the range, on the side to which the
-            line falls, and no longer follow it; NaN where none does: it is not reached. Without a
-            slope that of the points below the noise, or of the longest run that is flat.
+        floor: median |error| of the points beyond the range, on the side to which the line falls,
+            that no longer follow it; NaN if there are none: it is not reached. Without a slope that
+            of the points below the noise, or of the longest flat run.
         floor_points: how many these are.
-        reason: why there is no slope; empty where there is one.
+        reason: why there is no slope; empty otherwise.
     """
 
     slope: float = nan
@@ -78,25 +78,25 @@ def fit_slope(
     agreement: float = 0.25,
     confidence: float = 0.95,
 ) -> Slope:
-    """Slope of |error| against a parameter over the range where there is one.
+    """Return the slope of |error| against a parameter over the range where there is one.
 
-    The range is the longest run of at least `fewest` neighbouring points whose errors have one
-    sign and exceed the noise, and whose local slopes (between neighbours, log-log) differ by
-    `agreement` at most and are not flat (their median is 0.25 or more); of equally long ones that
-    whose local slopes differ least. The line is fitted to the range alone. Beyond it, where the
-    line falls, the floor begins at the first point that is off the line by a factor of 2, to
-    either side, is not above the noise, or has another sign.
+    The range is the longest run of at least `fewest` neighbouring points whose errors have one sign
+    and exceed the noise, and whose local slopes (between neighbours, log-log) differ by `agreement`
+    at most and are not flat (their median is 0.25 or more); of equally long ones that whose local
+    slopes differ least. The line is fitted to the range alone. Beyond it, where the line falls, the
+    floor begins at the first point that is off the line by a factor of 2, to either side, is not
+    above the noise, or has another sign.
 
     Args:
-        parameter: positive, in any order; points without a finite error are left out.
+        parameter: positive, in any order; points without a finite error are omitted.
         error: signed, in any unit.
-        noise: what is known beforehand of the accuracy of the errors, in their unit, >= 0.
-        fewest: points that make a slope, at least 3.
+        noise: known accuracy of the errors, in their unit, >= 0.
+        fewest: least number of points of a slope, at least 3.
         agreement: allowed difference of local slopes.
         confidence: of the interval, in (0, 1).
 
     Raises:
-        InputError: an argument out of range.
+        InputError: an argument is out of range.
     """
     _check(fewest, agreement, confidence)
     parameter, error, noise = np.broadcast_arrays(parameter, error, noise)
@@ -154,9 +154,9 @@ def _check(fewest: int, agreement: float, confidence: float) -> None:
 
 
 def _local_slopes(x: Floats, y: Floats, clear: Bools) -> Floats:
-    """Between neighbours, shape (n - 1,); NaN, which agrees with nothing, across a change of sign.
+    """Return slopes between neighbours, shape (n - 1,); NaN across a change of sign.
 
-    And next to a point that is not clear.
+    They are also NaN next to a point that is not clear; NaN agrees with nothing.
     """
     good = clear[1:] & clear[:-1] & (np.sign(y[1:]) == np.sign(y[:-1]))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -166,7 +166,7 @@ def _local_slopes(x: Floats, y: Floats, clear: Bools) -> Floats:
 def _follows(
     x: Floats, y: Floats, clear: Bools, sign: float, slope: float, intercept: float
 ) -> Bools:
-    """Which points lie on the line, by a factor."""
+    """Return which points are on the line, within a factor."""
     with np.errstate(divide="ignore"):
         off = np.abs(np.log(np.abs(y)) - intercept - slope * np.log(x))
     return np.asarray(clear & (np.sign(y) == sign) & (off <= log(APART)))
@@ -213,22 +213,22 @@ def slopes(
     agreement: float = 0.25,
     confidence: float = 0.95,
 ) -> pd.DataFrame:
-    """Slopes of a column of errors against a column of parameters, one row a group.
+    """Return slopes of a column of errors against a column of parameters, one row for each group.
 
     Args:
-        frame: one row a point.
+        frame: one row for each point.
         parameter, error: columns.
-        by: columns whose equal values make a group; groups that have not two points are left out:
-            they were not swept.
+        by: columns whose equal values define a group; groups with fewer than two points are
+            omitted, as they were not swept.
         noise: a column, or one value for all; see `fit_slope`, also for the rest.
         fewest, agreement, confidence: see `fit_slope`.
 
     Returns:
         Columns `by`; ``parameter`` and ``error``, the names of the columns fitted; those of
-        `Slope`; ``agreement`` and ``confidence``, the rule they were found by.
+        `Slope`; ``agreement`` and ``confidence``, the parameters of the fit.
 
     Raises:
-        InputError: no such column, or an argument out of range.
+        InputError: there is no such column, or an argument is out of range.
     """
     _check(fewest, agreement, confidence)
     rows = []
@@ -245,27 +245,27 @@ def slopes(
 
 
 def other_columns(frame: pd.DataFrame, parameter: str) -> list[str]:
-    """Columns that tell runs apart, but for a parameter: what a sweep of it is grouped by."""
+    """Return the columns that distinguish runs, except for a parameter, to group a sweep of it."""
     return [name for name in [*problem_columns(frame), *solver_columns(frame)] if name != parameter]
 
 
 def regularisation_slopes(frame: pd.DataFrame, parameter: str = "option_r") -> pd.DataFrame:
-    """Slopes of ``alpha* - alpha_reg`` and ``alpha* - lambda`` against r or one penalty (T19).
+    """Return slopes of ``alpha* - alpha_reg`` and ``alpha* - lambda`` in r or one penalty (T19).
 
     Args:
         frame: from `lacore_verification.harness.analysis.with_exact`.
-        parameter: ``option_r``, to which the errors grow, or ``option_eta``, ``option_bulk``,
-            ``option_normal``, ``option_tangential``, with which they fall.
+        parameter: ``option_r``, with which the errors increase, or ``option_eta``, ``option_bulk``,
+            ``option_normal``, ``option_tangential``, with which they decrease.
 
     Returns:
-        As `slopes`, by all other columns that tell runs apart, two rows a group (``error`` is
-        ``error_alpha_reg`` or ``error_lambda``); ``expected``, the slope of T19 at frozen
+        As `slopes`, by all other columns that distinguish runs, two rows for each group (``error``
+        is ``error_alpha_reg`` or ``error_lambda``); ``expected``, the slope of T19 at frozen
         reactions: 1 and 2 in r, -1 and -2 in a penalty; and ``frozen``: each solve was a single
-        one. After a loop the reactions depend on r, too: lambda errs with slope 1 in r and either
-        sign, unless statics alone give the normal forces.
+        one. After a loop the reactions depend on r, too: the error of lambda has slope 1 in r and
+        either sign, unless statics alone give the normal forces.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     require_columns(frame, ["outer_iterations"])
     by = other_columns(frame, parameter)
@@ -281,17 +281,17 @@ def regularisation_slopes(frame: pd.DataFrame, parameter: str = "option_r") -> p
 
 
 def refinement_orders(results: pd.DataFrame) -> pd.DataFrame:
-    """Order with which the error against the reference falls under refinement.
+    """Return the order with which the error against the reference falls under refinement.
 
     Args:
-        results: one row a run on a plane mesh; only those with status ``solved`` count.
+        results: one row for each run on a plane mesh; only those with status ``solved`` count.
 
     Returns:
-        As `slopes`, by all columns that tell runs apart but mesh and its sizes; and ``order``,
+        As `slopes`, by all columns that distinguish runs except mesh and its sizes; and ``order``,
         ``order_low``, ``order_high``: of the error in ``h = n_elements**(-1/2)``.
 
     Raises:
-        InputError: no such column.
+        InputError: there is no such column.
     """
     size, good = "n_elements", results[says(results, "status", SOLVED)]
     by = [name for name in other_columns(results, size) if not name.startswith(("mesh", "size_"))]

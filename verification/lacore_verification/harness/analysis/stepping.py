@@ -1,4 +1,4 @@
-"""How errors of paths fall with their steps (T30)."""
+"""Orders of the errors of paths in the number of steps (T30)."""
 
 import pandas as pd
 
@@ -17,14 +17,15 @@ _SCHEME = "param_scheme"
 
 
 def step_orders(results: pd.DataFrame) -> pd.DataFrame:
-    """Order with which the largest error of a path falls with the number of its steps.
+    """Return the order with which the largest error of a path falls with the number of its steps.
 
     Args:
-        results: one row a run; only solved ones with a known error count.
+        results: one row for each run; only solved ones with a known error count.
 
     Returns:
-        As `lacore_verification.harness.analysis.slopes`, by all columns that tell runs apart but
-        the number of steps and the name of the variant, which has it in it; and ``order``,
+        As `lacore_verification.harness.analysis.slopes`, by all columns that distinguish runs
+        except
+        the number of steps and the name of the variant, which contains it; and ``order``,
         ``order_low``, ``order_high``, and ``expected``, that of the scheme.
     """
     if not {STEPS, _SCHEME} <= set(results):

@@ -1,7 +1,7 @@
-"""One answer for each variant of a case: what is proven, how far off, who agrees, what went wrong.
+"""One summary for each variant of a case: proven bounds, errors, agreement and failures.
 
-For the screen and for the index of a page. Unlike the rest of the analysis it takes outcomes, for
-the bands of their cases; all else is read from their rows.
+It is used on the terminal and in the index of a page. Unlike the rest of the analysis it takes
+outcomes, for the bands of their cases; all else is read from their rows.
 """
 
 from collections.abc import Sequence
@@ -38,13 +38,13 @@ _ORDER = (FAIL, PASS, BOUND_ONLY, NO_REFERENCE, NO_RESULT, SKIPPED)
 
 @dataclass(frozen=True)
 class Shortfall:
-    """A run without a good end.
+    """A run that failed, gave no result or was skipped.
 
     Attributes:
         label: of the run, as in its progress.
         backend, coupling, mesh: of the run.
         verdict: ``FAIL``, ``no result`` or ``skipped``.
-        status: with which it ended.
+        status: final status.
         why: the rule that gave the verdict, with its numbers.
     """
 
@@ -59,31 +59,31 @@ class Shortfall:
 
 @dataclass(frozen=True)
 class VariantSummary:
-    """What all runs of one variant of a case come to. Numbers that do not exist are NaN.
+    """Summary of all runs of one variant of a case. Numbers that do not exist are NaN.
 
     Attributes:
         case, variant: names.
         expected: the reference as text: number, interval or status.
         reference, reference_to: the reference; the upper end where it is an interval.
         lower, upper: the closest proven bounds of the load factor, each NaN where there is none.
-        bounded: the problem that they are of: ``continuum``, or ``discrete`` where curved edges
+        bounded: the problem that they refer to: ``continuum``, or ``discrete`` where curved edges
             are straightened; empty without any.
-        value: load factor of the exact backend and mesh that `error` is of; where there is no
+        value: load factor of the exact backend and mesh to which `error` refers; without a
             reference, of the finest mesh.
-        mesh, elements: that mesh, and how many elements it has; empty and NaN where `error` is of a
-            bracket.
+        mesh, elements: that mesh, and its number of elements; empty and NaN where `error` is that
+            of a bracket.
         error: the worst of exact backends on the finest mesh on which any has a number: relative,
             as `Row.error`, and as `Row.path_error` of paths. Where the narrowest bracket is closer
             to the reference, that of its farther end.
-        below, above: what the band of the case allows there, relative to what `error` is; of a
+        below, above: errors that the band of the case allows, relative as `error` is; for a
             bracket the width that it must reach.
         agreeing: backends all of whose results are right; without a reference, those whose values
-            are the exact backend's on each mesh, to what both may err.
+            agree with the exact backend on each mesh, within the tolerance of both.
         answered: backends that have any result, a load factor or a claim such as ``locked``.
         asked: backends that were run.
         runs: number of them, without the skipped ones.
         seconds: solve time of all runs, s.
-        verdict: ``FAIL`` where a run failed, else ``pass`` where one passes, ``bound only``,
+        verdict: ``FAIL`` if a run failed, else ``pass`` if one passes, ``bound only``,
             ``no reference``, ``no result`` or ``skipped``.
         shortfalls: runs that failed, gave no result, or were skipped.
     """
@@ -117,17 +117,17 @@ class VariantSummary:
 
     @property
     def allowed(self) -> float:
-        """The error allowed on the side on which it is: negative below the reference."""
+        """Return the error allowed on the side of the error: negative below the reference."""
         return -self.below if self.error < 0 else self.above if self.error >= 0 else nan
 
     @property
     def rounded(self) -> bool:
-        """Whether the error is round-off, and the tolerance of solvers."""
+        """Return whether the error is within round-off and the tolerance of solvers."""
         return abs(self.error) < SOLVER
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """Order in which readers want to see answers: failures first, then the largest errors."""
+        """Return the sort key of summaries: failures first, then the largest errors."""
         known = isfinite(self.error) and not self.rounded
         return self.verdict != FAIL, -abs(self.error) if known else 0.0
 
@@ -138,12 +138,12 @@ class VariantSummary:
 
     @property
     def tolerance_text(self) -> str:
-        """The allowed error in per cent; without a sign where the error is round-off."""
+        """Return the allowed error in per cent; without a sign if the error is round-off."""
         text = percent(self.allowed)
         return text.lstrip("+-") if self.rounded else text
 
     def record(self) -> dict[str, Any]:
-        """All of it by name, shortfalls too, with `allowed`."""
+        """Return all values by name, including shortfalls, with `allowed`."""
         return {**asdict(self), "allowed": self.allowed}
 
 
@@ -164,7 +164,7 @@ def percent(value: float) -> str:
 
 
 def summaries(outcomes: Sequence[Outcome]) -> list[VariantSummary]:
-    """One summary a variant, in the order in which they first come.
+    """Return one summary for each variant, in the order of their first outcomes.
 
     Args:
         outcomes: of one comparison, verification or sweep; of any backends and couplings.
@@ -240,19 +240,22 @@ class _Group:
 
     @property
     def _reference_row(self) -> Row:
-        """A row that says what a Coulomb load factor must be; bounds are held against others."""
+        """Return a row with the reference of a Coulomb load factor.
+
+        Bounds have other references.
+        """
         rows = [o.row for o in self.outcomes]
         own = [row for row in rows if row.expected and row.coupling not in FINDS_NONE]
         return (own or [row for row in rows if row.expected] or rows)[0]
 
     def _loops(self, backend: str) -> list[Row]:
-        """Rows of a backend that are to find a load factor, not to bound it."""
+        """Return rows of a backend that determine a load factor and do not bound it."""
         rows = [o.row for o in self._ran if o.row.backend == backend]
         return [row for row in rows if row.coupling not in FINDS_NONE] or rows
 
     @cached_property
     def _finest(self) -> list[Outcome]:
-        """Of exact backends the runs on the finest mesh that has a number."""
+        """Return the runs of exact backends on the finest mesh that has a number."""
         found = [
             o for o in self._ran if o.row.coupling not in FINDS_NONE and _is_exact_number(o.row)
         ]
@@ -261,7 +264,7 @@ class _Group:
 
     @property
     def _worst(self) -> Outcome | None:
-        """The one of `_finest` with the largest error; a NaN is none where others have one."""
+        """Return the one of `_finest` with the largest error; NaN only if all are NaN."""
         return max(
             self._finest,
             key=lambda o: (-1.0 if isnan(_error(o.row)) else abs(_error(o.row)), o.row.n_elements),
@@ -270,10 +273,10 @@ class _Group:
 
     @property
     def _bounds(self) -> tuple[float, float, str]:
-        """The closest proven bounds and the problem that they are of.
+        """Return the closest proven bounds and the problem that they refer to.
 
-        A bracket of a problem with Coulomb friction is one of the associated problem: its lower
-        end is none of Coulomb load factors (T14). Bounds of a path are those of its beginning.
+        A bracket of a problem with Coulomb friction is one of the associated problem: its lower end
+        does not bound Coulomb load factors (T14). Bounds of a path are those of its beginning.
         """
         rows = [o.row for o in self._ran if o.row.status == _SOLVED and not o.row.ending]
         straightened = [r for r in rows if r.coupling == BRACKET and r.rigor == _DISCRETE]
@@ -288,7 +291,7 @@ class _Group:
 
     @property
     def _narrowest(self) -> Outcome | None:
-        """The narrowest bracket that is proven and passes."""
+        """Return the narrowest bracket that is proven and passes."""
         found = [
             o
             for o in self._ran
@@ -298,16 +301,17 @@ class _Group:
 
     @cached_property
     def _coulomb(self) -> bool:
-        """Whether there is Coulomb friction, as far as anybody can tell."""
+        """Return whether there is Coulomb friction, as far as it can be determined."""
         try:
-            from lacore.bounds.enclosing import has_coulomb  # of brackets only
+            from lacore.bounds.enclosing import has_coulomb  # Imported for brackets only.
 
             return has_coulomb(self.outcomes[0].run.problem())
-        except Exception:  # of others, at parameters of others: then nothing is proven from below
+        # A case of a user may raise at other parameters: then no lower bound is proven.
+        except Exception:
             return True
 
     def _agrees(self, rows: Sequence[Row]) -> bool:
-        """Whether there are results, and all of them are right."""
+        """Return whether there are results, and all of them are right."""
         given = [row for row in rows if _answers(row)]
         return bool(given) and all(
             row.verdict in (PASS, BOUND_ONLY)
@@ -316,7 +320,7 @@ class _Group:
         )
 
     def _is_the_exact_one(self, row: Row) -> bool:
-        """Whether a value is that of the first exact backend on its mesh, to what both may err."""
+        """Return whether a value agrees with the first exact backend on its mesh."""
         exact = next(
             (
                 o.row
@@ -336,7 +340,7 @@ class _Group:
 
 
 def _answers(row: Row) -> bool:
-    """Whether a run ended with something that is right or wrong."""
+    """Return whether a run ended with a result that is right or wrong."""
     judged = row.verdict in (PASS, BOUND_ONLY, NO_REFERENCE)
     return judged or (row.verdict == FAIL and isfinite(row.load_factor))
 
@@ -347,7 +351,7 @@ def _is_exact_number(row: Row) -> bool:
 
 
 def _error(row: Row) -> float:
-    """Of a path that with the largest of all its loads."""
+    """Return the error of a row; for a path the largest of all its loads."""
     if not row.ending:
         return row.error
     known = [abs(size) for size in (row.error, row.path_error) if not isnan(size)]
@@ -355,33 +359,33 @@ def _error(row: Row) -> float:
 
 
 def _farther_end(outcome: Outcome) -> float:
-    """Relative distance from the reference of that end of a bracket which is farther from it."""
+    """Return the relative distance of the farther end of a bracket from the reference."""
     row, run = outcome.row, outcome.run
-    if row.model:  # the reference is that of another model
+    if row.model:  # The reference is that of another model.
         return nan
     try:
         reference = run.case.reference_of(run.variant)
         band = run.case.band_of(run.variant, int(row.n_elements))
-    except Exception:  # of others: the row says what is wrong with it
+    except Exception:  # A case of a user may raise; its row reports the error.
         return nan
     ends = [distance(end, reference, band) for end in (row.lower, row.upper)]
     return max((end for end in ends if isfinite(end)), key=abs, default=nan)
 
 
 def _target(outcome: Outcome) -> float:
-    """Width that a bracket must reach."""
+    """Return the width that a bracket must reach."""
     run = outcome.run
     stated = run.case.bracket or Bracketing()
     return float(run.settings.get("target_width", stated.target_width))
 
 
 def _allowed(outcome: Outcome) -> tuple[float, float]:
-    """Errors that the band allows below and above, relative to what errors are (`distance`)."""
+    """Return the errors that the band allows below and above, relative as errors (`distance`)."""
     row = outcome.row
     try:
         reference = outcome.run.case.reference_of(outcome.run.variant)
         band = outcome.run.case.band_of(outcome.run.variant, int(row.n_elements))
-    except Exception:  # of others: the row says what is wrong with it
+    except Exception:  # A case of a user may raise; its row reports the error.
         return nan, nan
     if reference.unknown or band.wrong:
         return nan, nan

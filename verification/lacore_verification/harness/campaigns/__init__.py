@@ -1,1 +1,1 @@
-"""Which runs comparisons, sweeps and random problems have, and doing them all."""
+"""Plans and execution of the runs of comparisons, sweeps and random problems."""

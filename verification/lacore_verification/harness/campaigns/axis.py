@@ -1,7 +1,7 @@
-"""One axis of a grid: what is varied, and over which values, as people write it.
+"""One axis of a grid: the parameter and its values, as text.
 
 ``NAME=START:STOP:N`` are N values at equal distances, ``NAME=START:STOP:N:log`` at equal ratios,
-``NAME=a,b,c`` these. Values stay text until the thing that is varied says what they are.
+``NAME=a,b,c`` these. Values stay text until the parameter defines their type.
 """
 
 from dataclasses import dataclass
@@ -12,17 +12,17 @@ import numpy as np
 from lacore.reporting.errors import InputError, require_known
 
 KINDS = ("param", "size", "setting", "option")
-"""Of the case, of its mesh level, of the loop, of the backend: prefixes, as in ``option.r``."""
+"""Prefixes for the case, its mesh level, the loop and the backend, as in ``option.r``."""
 ALIASES = {"K_c": "bulk", "K_n": "normal", "K_t": "tangential"}
 """Penalties as the theory calls them, and as the backends do."""
-_MOST = 10_000  # values of one axis: more is a slip of the keyboard
-_DIGITS = 12  # of values in between: 0.3, not 0.30000000000000004
+_MOST = 10_000  # Largest number of values of one axis: more is a typing error.
+_DIGITS = 12  # Digits of values in between: 0.3, not 0.30000000000000004.
 _FORM = "write NAME=START:STOP:N, NAME=START:STOP:N:log or NAME=a,b,c"
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What is varied.
+    """A varied parameter with its values.
 
     Attributes:
         kind: one of `KINDS`; empty where only the name was given.
@@ -41,10 +41,10 @@ class Axis:
 
 
 def read_axis(text: str) -> Axis:
-    """An axis from what was written.
+    """Return an axis from text.
 
     Raises:
-        InputError: it is not of the form, has no value, or ends that cannot be right.
+        InputError: it does not have this form, has no value, or has invalid ends.
     """
     given, equals, written = (part.strip() for part in text.partition("="))
     if not (given and equals):
@@ -104,11 +104,11 @@ def _end(field: str, which: str, text: str) -> float:
 
 
 def read_value(field: str, text: str, kind: type) -> float | int | bool | str:
-    """A value of an axis as what it replaces.
+    """Return a value of an axis with the type of what it replaces.
 
     Args:
         field: for errors.
-        text: as written.
+        text: as given.
         kind: float, int, bool or str.
 
     Raises:

@@ -20,17 +20,17 @@ _FORM = "write NAME.OPTION=VALUE, as in clarabel.tolerance=1e-9"
 
 
 def with_options(runs: Sequence[Run], texts: Sequence[str]) -> list[Run]:
-    """Runs with options of their backends; of a backend with several settings, one for each.
+    """Return runs with options of their backends; for several settings of a backend, one run each.
 
     With changed options, a run may end without a result, which is then no failure. Brackets choose
     their options themselves.
 
     Args:
         runs: of a comparison.
-        texts: as of `read_settings`.
+        texts: see `read_settings`.
 
     Raises:
-        InputError: an option, or a backend, that there is not, or that no run has.
+        InputError: an option or a backend does not exist, or no run has it.
     """
     settings = read_settings(texts)
     taking_part = {run.backend for run in runs if run.coupling != BRACKET}
@@ -49,15 +49,15 @@ def with_options(runs: Sequence[Run], texts: Sequence[str]) -> list[Run]:
 
 
 def read_settings(texts: Sequence[str]) -> dict[str, list[dict[str, Any]]]:
-    """Settings by backend, each without the options that are the default.
+    """Return settings by backend, each without the options that have the default value.
 
     Args:
         texts: ``NAME.option=value``, several separated by commas. An option that is given again
             begins another setting of its backend. A further value, as in
-            ``NAME.option=value,value``, repeats the setting before with that value.
+            ``NAME.option=value,value``, repeats the previous setting with that value.
 
     Raises:
-        InputError: an unknown backend or option, or a value that the backend does not take.
+        InputError: an unknown backend or option, or a value that the backend rejects.
         CapabilityError: the backend cannot be loaded.
     """
     found: dict[str, list[dict[str, Any]]] = {}
@@ -70,14 +70,14 @@ def read_settings(texts: Sequence[str]) -> dict[str, list[dict[str, Any]]]:
 
 
 def _assignments(texts: Sequence[str]) -> Iterator[tuple[str, str, Any, bool]]:
-    """Yield backend, option and value, and whether that is a further value of the same option."""
+    """Yield backend, option and value, and whether it is a further value of the same option."""
     for text in texts:
         name = option = ""
         for part in map(str.strip, text.split(",")):
             place, equals, value = (piece.strip() for piece in part.partition("="))
             if equals:
                 name, _, option = place.rpartition(".")
-            else:  # a further value of the option before
+            else:  # A further value of the previous option.
                 value = place
             if not (name and option and value):
                 raise InputError(_FIELD, part, "is no option of a backend with its value", _FORM)
@@ -110,13 +110,14 @@ def _default(backend: la.solvers.backend.Backend, option: str) -> Any:
 
 def _may_be_none(kind: type, option: str) -> bool:
     hints: dict[str, Any] = {}
-    with suppress(NameError, TypeError, AttributeError):  # names that only a type checker knows
+    # Some names are known to type checkers only.
+    with suppress(NameError, TypeError, AttributeError):
         hints = get_type_hints(kind)
     return NoneType in get_args(hints.get(option))
 
 
 def _distinct(name: str, settings: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Settings that differ, by what differs from the defaults; values are for the backend."""
+    """Return settings that differ, by their differences from the defaults."""
     kind = load_backend(name).Options
     defaults, found = kind(), list[dict[str, Any]]()
     for given in settings:

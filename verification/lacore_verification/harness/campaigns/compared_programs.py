@@ -1,6 +1,6 @@
-"""Programs of the runs of a comparison as files next to its report, with their minima."""
+"""Files with the programs of the runs of a comparison next to its report, with their minima."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+from __future__ import annotations  # Annotations are not evaluated: their names are not loaded.
 
 import csv
 import hashlib
@@ -36,13 +36,13 @@ ENDING = "npz"
 """Format of the files."""
 MOST_UNKNOWNS = 300_000
 """Unknowns of all programs that are written, smallest first: about 30 MB."""
-_LIMIT = 120.0  # s, of a program
+_LIMIT = 120.0  # s, for each program.
 _WORKER = f"{__name__}:ProgramWriter"
 _STATES = {status.label: status.name for status in la.Status}
-_CERTIFIED = "certified"  # solves the associated problem where there is no friction
+_CERTIFIED = "certified"  # Solves the associated problem if there is no friction.
 
 Program = tuple[Instance, bytes]
-"""A row of the index, and what its file holds."""
+"""A row of the index, and the content of its file."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Source:
 
 
 class ProgramWriter:
-    """Writes one program after the other, in a process of its own."""
+    """Writer of one program after the other, in a separate process."""
 
     def program(self, source: Source) -> list[Program]:
         """Return the program of a run with its minimum; empty if no file can express it.
@@ -79,8 +79,8 @@ def write_programs(
 ) -> None:
     """Write the programs of a comparison and their index to the folder `INSTANCES` of its report.
 
-    A program that was written by the same code before is kept. Files that an earlier comparison
-    wrote there, and that belong to no run of this one, are removed.
+    A program that the same code wrote earlier is kept. Files of an earlier comparison that belong
+    to no run of this one are removed.
 
     Args:
         sources: Run by file, as from `sources_of`.
@@ -115,7 +115,7 @@ def write_programs(
 
 
 def program_files(folder: Path) -> frozenset[str]:
-    """Return the names of the programs next to a report that are as their index states."""
+    """Return the names of the programs next to a report that agree with their index."""
     place = folder / INSTANCES
     return frozenset(row["file"] for row in _index(place) if _data(row, place) is not None)
 
@@ -140,7 +140,7 @@ def sources_of(outcomes: Iterable[Outcome]) -> dict[str, Outcome]:
     """Choose for each file the run whose program and minimum it states.
 
     This is the run that proves the minimum with the smallest residual. Programs beyond
-    `MOST_UNKNOWNS` are left out.
+    `MOST_UNKNOWNS` are omitted.
     """
     best: dict[str, Outcome] = {}
     sizes: dict[str, float] = {}
@@ -158,7 +158,7 @@ def sources_of(outcomes: Iterable[Outcome]) -> dict[str, Outcome]:
 
 
 def _rank(outcome: Outcome) -> tuple[bool, bool, float]:
-    """Order runs by how likely and how well they prove the minimum."""
+    """Order runs by whether they may prove the minimum, and by their residual."""
     return (
         not _may_prove(outcome),
         outcome.row.coupling != ASSOCIATED,
@@ -187,7 +187,7 @@ def _residual(outcome: Outcome) -> float:
 
 
 def _proven(source: Source, problem: la.Problem) -> tuple[la.Discretisation, Known | None]:
-    """Return the discretisation of a run, and what its row states of the minimum.
+    """Return the discretisation of a run, and the minimum in its row.
 
     The second is None if the run solved another problem.
     """
@@ -211,7 +211,7 @@ def _proven(source: Source, problem: la.Problem) -> tuple[la.Discretisation, Kno
 
 
 def _kept(sources: Mapping[str, Outcome], place: Path) -> dict[str, Program]:
-    """Return the programs that are there already, written by the code of their runs."""
+    """Return existing programs that were written by the code of their runs."""
     found: dict[str, Program] = {}
     for row in _index(place):
         outcome = sources.get(row["file"])
@@ -224,7 +224,7 @@ def _kept(sources: Mapping[str, Outcome], place: Path) -> dict[str, Program]:
 
 
 def _index(place: Path) -> list[dict[str, str]]:
-    """Return the rows of an index; none if there is no index as this code writes it."""
+    """Return the rows of an index; none if there is no index of this format."""
     try:
         text = (place / INDEX).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
@@ -235,7 +235,7 @@ def _index(place: Path) -> list[dict[str, str]]:
 
 
 def _data(row: Mapping[str, str], place: Path) -> bytes | None:
-    """Return what the file of a row holds; None if it is missing or was changed."""
+    """Return the content of the file of a row; None if it is missing or was changed."""
     try:
         data = (place / Path(row["file"]).name).read_bytes()
     except OSError:

@@ -1,4 +1,4 @@
-"""Compare backends on cases: plan the runs, run them, keep every row."""
+"""Comparison of backends on cases: plan the runs, run them, keep every row."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -24,13 +24,13 @@ def plan(
     couplings: Sequence[str] = (),
     known: Catalogue | None = None,
 ) -> list[Run]:
-    """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
+    """Return runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
 
-    Cases are looked for in `known`; without it, among those of lacore itself.
-    Without `names` all cases but those on demand. Without `backends` those of `default_backends`;
-    ``all`` is every registered one, and variants of a family are named as ``cvxpy:SCS``. Without
-    `meshes` the default levels of each variant. Without `couplings` the default one of each
-    backend, and with exact ones ``associated`` where that is known to differ.
+    Cases are searched in `known`; without it, among those of lacore itself. Without `names` all
+    cases but those on demand. Without `backends` those of `default_backends`; ``all`` is every
+    registered one, and variants of a family are named as ``cvxpy:SCS``. Without `meshes` the
+    default levels of each variant. Without `couplings` the default one of each backend, and with
+    exact ones ``associated`` if its result is known to differ.
 
     Raises:
         InputError: an unknown name.
@@ -52,10 +52,9 @@ def plan(
 def check_names(
     backends: Sequence[str], couplings: Sequence[str], meshes: Sequence[str], known: Catalogue
 ) -> None:
-    """Raise `InputError` on an unknown name; of a missing backend the rows say so.
+    """Raise `InputError` for an unknown name; rows report missing backends.
 
-    Rigid bodies have no meshes, and run whatever level is asked for; one that no case at all has is
-    a slip of the keyboard.
+    Rigid bodies have no meshes, and run with any level; a level that no case has is a typing error.
     """
     if meshes:
         cases = (*catalogue().values(), *known.values())
@@ -70,7 +69,7 @@ def check_names(
 
 
 def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Variant]]]:
-    """Cases with those of their variants that are named; without names, as `plan`.
+    """Return cases with their selected variants; without names, as `plan`.
 
     Raises:
         InputError: an unknown name.
@@ -86,17 +85,17 @@ def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Varian
 
 
 def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
-    """A run, skipped where it is known that the backend cannot do it."""
+    """Return a run, which is skipped if the backend is known not to support it."""
     # One convex program has a solution, or a proof that it has none; other loops may not converge.
     skip, insist = _unfit(variant, backend), coupling in (None, ASSOCIATED)
-    # Penalties and smooth laws may be beyond a solver, which says so: only exact ones must answer.
-    with suppress(la.CapabilityError):  # of a missing backend the row says so
+    # Penalties and smooth laws may exceed a solver, which reports it: only exact ones must solve.
+    with suppress(la.CapabilityError):  # The row reports a missing backend.
         engine = load_backend(backend)
         insist |= coupling == coupling_for(engine, None)
         insist &= not engine.capabilities.regularised
         name = RAW.get(coupling or "", (coupling, {}))[0]
         try:
-            if name in COUPLINGS:  # brackets and ranges choose their own
+            if name in COUPLINGS:  # Brackets and ranges choose their backends.
                 coupling_for(engine, name)
         except la.InputError as error:
             skip = str(error)
@@ -104,13 +103,12 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
 
 
 def default_backends(case: Case, variant: Variant) -> list[str]:
-    """Backends that a comparison runs when none is named, by what they say of themselves.
+    """Return backends that a comparison runs by default, by their capabilities.
 
-    None on demand, none that cannot be loaded, none that cannot do the variant; linear programs
-    are those of rigid bodies, and strengths that depend on pressure are for those that take
-    surfaces.
-    Paths, tens of solves each, are for those that are quick enough; where the exact loads are not
-    known, and of implicit schemes, which take several solves a step, for the exact ones of them.
+    None on demand, none that cannot be loaded, none that do not support the variant; linear
+    programs are for rigid bodies, and pressure-dependent strengths are for backends that support
+    surfaces. Paths, tens of solves each, are for the fast ones; where the exact loads are not
+    known, and for implicit schemes, which take several solves per step, for the exact ones of them.
     """
     usable = (name for name in la.backend_names() if not (fault_of(name) or _unfit(variant, name)))
     found = {name: capabilities(name) for name in usable}
@@ -132,24 +130,24 @@ def _is_dear(case: Case, variant: Variant) -> bool:
 
 
 def default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
-    """Couplings that a comparison runs when none is named."""
+    """Return couplings that a comparison runs by default."""
     telling = case.reference_of(variant).associated_differs
     return [None, "associated"] if telling and not is_regularised(backend) else [None]
 
 
 def _unfit(variant: Variant, backend: str) -> str:
-    """Why a backend cannot do a variant; empty where it can."""
+    """Return why a backend cannot solve a variant; empty if it can."""
     family = "regularised" if is_regularised(backend) else "exact"
     return variant.unfit.get(backend, variant.unfit.get(family, ""))
 
 
 def is_regularised(backend: str) -> bool:
-    """Whether a backend is known to be regularised; not of one that is missing."""
+    """Return whether a backend is known to be regularised; False for a missing one."""
     return capabilities(backend).regularised
 
 
 def capabilities(backend: str) -> Capabilities:
-    """What a backend says of itself; of one that is missing, whose rows say so, nothing special."""
+    """Return the capabilities of a backend; for a missing one, the default."""
     with suppress(la.CapabilityError):
         return load_backend(backend).capabilities
     return Capabilities(regularised=False)

@@ -1,4 +1,4 @@
-"""A campaign: all problems of all classes, what is wrong cut down and kept, and the final count."""
+"""A campaign: all problems of all classes, with failures reduced and stored, and the totals."""
 
 import pprint
 from collections import Counter
@@ -36,14 +36,14 @@ if __name__ == "__main__":
 
 @dataclass(frozen=True)
 class Tally:
-    """What became of a class.
+    """Results of a class.
 
     Attributes:
         problems: all but those that were refused.
-        refused: by an `InputError`: no problem at all.
+        refused: by an `InputError`: no valid problem.
         loads, certified: those that have a load factor, and those of them with a proven one.
-        words: locked, unsafe, free, and nothing contradicts it.
-        unknown: neither a number nor a word, and nobody knows whether there is a load factor.
+        words: locked, unsafe or free, without contradiction.
+        unknown: without a number or such a status, and whether there is a load factor is unknown.
         missing: of those that have a load and no proven one, how many of which status.
         wrong, exceptions, hangs: how many.
     """
@@ -62,12 +62,12 @@ class Tally:
 
     @property
     def share(self) -> float:
-        """Certified among those that have a load factor; 1 where none has."""
+        """Return the share of certified ones with a load factor; 1 if none has."""
         return self.certified / self.loads if self.loads else 1.0
 
 
 def is_exception(outcome: Outcome) -> bool:
-    """Whether an error that is none of ours was raised, or the process died."""
+    """Return whether another error than those of lacore was raised, or the process died."""
     row = outcome.row
     return row.verdict == FAIL and (
         row.status in ("exception", "failed") or "exception" in row.check
@@ -75,12 +75,12 @@ def is_exception(outcome: Outcome) -> bool:
 
 
 def is_hang(outcome: Outcome) -> bool:
-    """Whether it was stopped."""
+    """Return whether the run was stopped."""
     return outcome.row.verdict == FAIL and outcome.row.status == _HANG
 
 
 def tallied(outcomes: Sequence[Outcome]) -> list[Tally]:
-    """The count of each class, and of all."""
+    """Return the tally of each class, and of all."""
     kinds = list(dict.fromkeys(kind_of(outcome.run) for outcome in outcomes))
     each = [_tally(kind, [o for o in outcomes if kind_of(o.run) == kind]) for kind in kinds]
     return [*each, _tally("all", list(outcomes))]
@@ -115,7 +115,7 @@ def keep_wrong(
     time_limit: float,
     on_start: Callable[[Run], None],
 ) -> list[Path]:
-    """Cut down what is wrong and write a file for each; those that are there already stay."""
+    """Reduce failures and write a file for each; existing files stay."""
     wrong = [outcome for outcome in outcomes if outcome.row.verdict == FAIL]
     first: dict[tuple[str, str], Outcome] = {}
     for outcome in wrong:
@@ -138,7 +138,7 @@ def keep_wrong(
 
 
 def snippet(kind: str, outcome: Outcome) -> str:
-    """A file that builds and solves a problem, and says what is wrong with it."""
+    """Return a script that builds and solves a problem, and describes its failure."""
     recipe = recipe_of(kind, **outcome.run.parameters)
     follow = 'print(la.sequential(problem, **RECIPE["path"]))'
     return _SNIPPET.format(

@@ -1,4 +1,4 @@
-"""Programs of cases as files for other solvers, each with what is known of it."""
+"""Programs of cases as files for other solvers, each with its known minimum."""
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
@@ -31,20 +31,20 @@ class Instance:
 
     Attributes:
         file: name in the folder; empty where it was not written.
-        case, variant, mesh: what it is of.
-        unknowns: velocities, which come first among the columns.
+        case, variant, mesh: names of the problem.
+        unknowns: number of velocities, which are the first columns.
         status: of the associated problem, as solved by `backend`: `SOLVED`, `LOCKED` (the program
             is infeasible), `UNSAFE` (it is unbounded), or `ALMOST_SOLVED`.
-        value: the least value of the program as written, in its units; NaN where it is not solved.
+        value: the minimum of the program as written, in its units; NaN where it is not solved.
         power: `F0.U` of the program as written.
         load_factor: the same in units of the case.
         load_factor_unit: by which a value is multiplied, at a power of 1.
         length_unit, stress_unit, velocity_unit: m, Pa and m/s for 1 of the program.
         residual: the largest of its certificate.
-        backend: that knows the value.
-        solver: the native status of its solve; of `auto` each solver that was asked, the one that
-            answered last.
-        code: Digest of the code behind the value, as of `code_of`.
+        backend: that found the value.
+        solver: the native status of its solve; for `auto` each solver in turn, with the final one
+            last.
+        code: digest of the code that computed the value, see `code_of`.
         sha256: of the file.
         left_out: why it was not written.
     """
@@ -72,11 +72,7 @@ class Instance:
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of the minimum of a program.
-
-    Attributes:
-        status, load_factor, residual, backend, solver, code: As in `Instance`.
-    """
+    """Known minimum of a program; its attributes are those of `Instance`."""
 
     status: str
     load_factor: float
@@ -87,7 +83,7 @@ class Known:
 
 
 def formats() -> dict[str, Writes]:
-    """By what a file ends with: the first backend that writes it."""
+    """Return the first backend that writes each file format."""
     found: dict[str, Writes] = {}
     for name in la.backend_names():
         with suppress(CapabilityError):
@@ -119,9 +115,10 @@ def write_instances(
     known: Catalogue,
     done: Callable[[Instance], None],
 ) -> pd.DataFrame:
-    """Programs of cases, friction associated, in each format; one row a file, also in `INDEX`.
+    """Write associated programs of cases in each format, and return one row for each file.
 
-    The index is written after each file, so that what is there is known if it is stopped.
+    The index (`INDEX`) is written after each file, so that it is complete if the process is
+    stopped.
 
     Raises:
         InputError: an unknown name or format.
@@ -149,9 +146,9 @@ def table_of(rows: Sequence[Instance]) -> pd.DataFrame:
 
 
 def _solved(problem: "la.Problem") -> "la.LimitState":
-    """The state of the associated problem, by the exact backend with the smallest residual.
+    """Return the state of the associated problem, by the exact backend with the smallest residual.
 
-    Others than the default one are tried only until the residual is small enough.
+    Backends other than the default are tried only until the residual is small enough.
     """
     state = la.solve(problem, coupling="associated")
     for name in _exact_backends():
@@ -165,7 +162,7 @@ def _solved(problem: "la.Problem") -> "la.LimitState":
 
 
 def _exact_backends() -> list[str]:
-    """Backends of the exact program that can run here, without those that are parts of another."""
+    """Return backends of the exact program that are available, without parts of other backends."""
     with_parts = [name for name in la.backend_names() if ":" not in name]
     return [
         name
@@ -175,7 +172,7 @@ def _exact_backends() -> list[str]:
 
 
 def _residual(state: "la.LimitState") -> float:
-    """The largest residual of a certificate; NaN without one."""
+    """Return the largest residual of a certificate; NaN without one."""
     return state.certificate.worst[1] if state.certificate is not None else nan
 
 
@@ -184,12 +181,12 @@ def _written(
 ) -> list[Instance]:
     state = _solved(case.problem(variant, mesh))
     run = Run(case, variant, mesh, state.backend)
-    # Its discretisation has nodes at the hinges that the solve has found in members.
+    # Its discretisation has nodes at hinges that the solve has found within members.
     return write(run, state.discretisation, known_of(state, code_of(run)), by, out)
 
 
 def known_of(state: "la.LimitState", code: str) -> Known:
-    """Return what a state of the associated problem proves, computed by some code."""
+    """Return the minimum that a state of the associated problem proves."""
     return Known(
         status=state.status.name,
         load_factor=state.load_factor,
@@ -205,14 +202,14 @@ def write(
 ) -> list[Instance]:
     """Write the associated program of a run in each format, and return the rows of the index.
 
-    A minimum whose residual is above `CLOSE` is not stated; its status is `ALMOST_SOLVED`.
+    A minimum whose residual is above `CLOSE` is omitted; its status is `ALMOST_SOLVED`.
 
     Args:
         run: Names of the case, the variant and the mesh.
         stated: Discretisation of its problem, as solved.
-        known: What is known of the minimum.
-        by: A backend that writes it, by format.
-        out: Folder, which exists.
+        known: Known minimum.
+        by: Backend for each format.
+        out: Existing folder.
     """
     program = dimensionless(stated.program, stated.natural).associated()
     contact, scales = associated_contact(program.contact), program.scales

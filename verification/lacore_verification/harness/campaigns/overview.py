@@ -1,11 +1,12 @@
 """The runs of the first comparison: `lacore compare` without a case, about a minute of solving.
 
 They are chosen by data of the cases and capabilities of the backends, never by measured times, so
-that everybody runs the same. Each case runs the variant, the meshes and the bracket that
-`Case.first` names; by default its first variant on its coarsest and its finest mesh. On the first
-of these meshes all backends are compared, without dense ones on continua, and only the quick exact
-ones if it is not the coarsest mesh of the case. One exact backend runs all other meshes, brackets
-and paths, a variant of each other status that a case must end with, and cases tagged `LARGE`.
+that the runs are the same on all machines. Each case runs the variant, the meshes and the bracket
+that `Case.first` names; by default its first variant on its coarsest and its finest mesh. On the
+first of these meshes all backends are compared, without dense ones on continua, and only the fast
+exact ones if it is not the coarsest mesh of the case. One exact backend runs all other meshes,
+brackets and paths, a variant of each other status that a case must end with, and cases tagged
+`LARGE`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,11 +35,11 @@ def overview(
 ) -> list[Run]:
     """List the runs of the first comparison: paths first, then continua, then rigid bodies.
 
-    Those that take longest come first, so that no process waits for the last of them.
+    The longest runs are first, so that no process waits for the last of them.
 
     Args:
         backends, meshes: Run these in place of those of the first comparison, on its variants;
-            then no bracket is computed.
+            no bracket is computed then.
         known: Cases. None: those of lacore itself.
 
     Raises:
@@ -102,7 +103,7 @@ def _runs(
 ) -> Iterator[Run]:
     main = variant is variants(case)[0]
     levels = _levels(case, variant, meshes, main)
-    if backends and not levels:  # of a case that is shown by its bracket alone
+    if backends and not levels:  # A case that is represented by its bracket alone.
         levels = case.levels(variant)[:1]
     for place, mesh in enumerate(levels):
         several = place == 0 and main and LARGE not in case.tags
@@ -114,7 +115,7 @@ def _runs(
 
 
 def _levels(case: Case, variant: Variant, asked: Sequence[str], main: bool) -> tuple[str, ...]:
-    """Return the levels that are asked for, those that the case names, or coarsest and finest."""
+    """Return the given levels, those that the case names, or coarsest and finest."""
     levels = case.levels(variant, asked)
     if asked:
         return levels

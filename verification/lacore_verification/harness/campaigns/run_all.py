@@ -1,4 +1,4 @@
-"""All runs of a plan: each is in the store as soon as it is finished, also if it is a failure."""
+"""Execution of a plan: each run is stored as soon as it is finished, even if it failed."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ _WITHOUT_ANSWER = (la.Status.TIME_LIMIT.label, la.Status.FAILED.label)
 
 
 class Repeat(Enum):
-    """Which of the runs that are stored are repeated."""
+    """Selection of the stored runs that are repeated."""
 
     NOTHING = "nothing"
     FAILURES = "failures"
@@ -58,12 +58,12 @@ def run_all(
     repeat: Repeat = Repeat.NOTHING,
     on_found: Callable[[Sequence[Outcome]], None] = lambda _: None,
 ) -> list[Outcome]:
-    """Outcomes of runs, in their order; each is in the store at `path` as soon as it is finished.
+    """Return outcomes of runs, in their order; each is stored at `path` as soon as it is finished.
 
     Those that are stored already, computed by the same code, are not run again, whether they
     succeeded or failed, except for those that `repeat` includes; `on_found` is called with them.
-    `executor` runs the others; `time_limit`: s, of a run; one that takes longer, or whose process
-    dies, costs its own row. What a run prints is kept next to the store.
+    `executor` runs the others; `time_limit`, s, is that of one run; if it takes longer, or its
+    process dies, only its row is lost. The output of a run is stored next to the store.
 
     Raises:
         InputError: the store cannot be used.

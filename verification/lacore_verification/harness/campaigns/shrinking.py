@@ -1,7 +1,7 @@
-"""Cutting a wrong problem down: smaller recipes that still fail the same check.
+"""Reduction of a failing problem to smaller recipes that fail the same check.
 
-Candidates are runs like all others, in processes and with time limits; of each round the first
-that fails as before is taken.
+Candidates are runs like all others, in processes and with time limits; in each round the first with
+the same failure is taken.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ _DIGITS = (1, 2)
 
 
 def shrunk(outcome: Outcome, kind: str, executor: Executor, time_limit: float) -> Outcome:
-    """The smallest problem found that fails the check that an outcome fails."""
+    """Return the smallest problem found that fails the same check as an outcome."""
     check = outcome.row.check
     for _ in range(_ROUNDS):
         recipe = recipe_of(kind, **outcome.run.parameters)
@@ -35,7 +35,7 @@ def shrunk(outcome: Outcome, kind: str, executor: Executor, time_limit: float) -
 def _first(
     run: Run, recipes: list[Recipe], check: str, executor: Executor, time_limit: float
 ) -> Outcome | None:
-    """The first of some recipes that fails a check, in the order in which they end."""
+    """Return the first of some recipes that fails a check, in the order in which they end."""
     parameters = {name: run.parameters[name] for name in ("seed", "number")}
     runs = [run_of(run.case, {**parameters, "recipe": recipe}) for recipe in recipes]
     if not runs:
@@ -49,7 +49,7 @@ def _fails(row: Row, check: str) -> bool:
 
 
 def candidates(recipe: Recipe) -> Iterator[Recipe]:
-    """Smaller recipes, those first that leave most out; what has a fact keeps it on any mesh."""
+    """Yield smaller recipes, the most reduced first; a recipe with a fact keeps it on any mesh."""
     if "fact" in recipe:
         for body, data in recipe["bodies"].items():
             if data["kind"] == "continuum":
@@ -102,7 +102,7 @@ def _coarser(recipe: Recipe, body: str) -> Iterator[Recipe]:
 
 
 def _rounder(recipe: Recipe) -> Iterator[Recipe]:
-    """Numbers of fewer digits, all at once; coordinates of blocks stay: they must fit."""
+    """Yield recipes with fewer digits, except for coordinates of blocks, which must fit."""
     for digits in _DIGITS:
         made = copied(recipe)
         for key in ("reference", "dead"):

@@ -23,7 +23,7 @@ from lacore_verification.harness.campaigns.comparison import (
 )
 from lacore_verification.runs.run import Run, canonical
 
-_MOST = 100_000  # points of a grid: planning more takes longer than any coffee
+_MOST = 100_000  # Largest number of points of a grid, for which planning takes minutes.
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class _Grid:
     axes: Mapping[str, Sequence[Axis]]
 
     def points(self, kind: str, types: Mapping[str, type]) -> list[dict[str, Any]]:
-        """Combinations of what has these names."""
+        """Return the combinations of the axes with these names."""
         return varied.grid(self.axes[kind], types)
 
 
@@ -45,19 +45,22 @@ def plan(
     couplings: Sequence[str] = (),
     known: Catalogue | None = None,
 ) -> list[Run]:
-    """Runs of a grid; what does not depend on an axis, such as an exact backend on r, is run once.
+    """Return runs of a grid.
+
+    A run that does not depend on an axis, such as exact on r, is run once.
 
     Args:
         names: of cases, ``id`` or ``id:variant``; at least one.
         vary: axes as in `lacore_verification.harness.campaigns.axis`.
-        backends: none: those that a comparison takes; ``all`` is every one.
-        meshes: levels; none: the default ones of each variant, of a varied mesh the first.
+        backends: none: those of a comparison; ``all`` is every one.
+        meshes: levels; none: the default ones of each variant, for a varied mesh the first.
         couplings: none: the default of each backend.
-        known: where to look for cases; None: among those of lacore itself.
+        known: cases to search; None: those of lacore itself.
 
     Raises:
-        InputError: an unknown or ambiguous name, an axis that is empty or there twice, a value
-            that cannot be right; before anything is solved.
+        InputError: an unknown or ambiguous name, an axis that is empty or given twice, or an
+            invalid
+            value; before anything is solved.
     """
     known = catalogue() if known is None else known
     backends = la.backend_names() if list(backends) == ["all"] else backends
@@ -86,7 +89,7 @@ def plan(
 def _grid(
     vary: Sequence[str], picked: Sequence[tuple[Case, Sequence[Variant]]], backends: Sequence[str]
 ) -> _Grid:
-    """The axes, with everything about them checked that can be."""
+    """Return the axes, with all possible checks done."""
     if not vary:
         raise InputError(
             "--vary",
@@ -118,7 +121,7 @@ def _grid(
 
 
 def _check_values(grid: _Grid, options: varied.Names) -> None:
-    """Refuse values of loops and backends that no solve would take."""
+    """Raise an error for invalid values of loops and backends."""
     for point in grid.points("setting", varied.settings()):
         CouplingOptions(**point)
     for backend, types in options.items():
@@ -128,19 +131,19 @@ def _check_values(grid: _Grid, options: varied.Names) -> None:
 
 
 def _check_steps(case: Case, variant: Variant) -> None:
-    """Refuse a number of steps or a scheme that there is not."""
+    """Raise an error for an invalid number of steps or an unknown scheme."""
     if case.path is None:
         return
     try:
         case.following_of(variant)
     except InputError:
         raise
-    except Exception:  # of others: the row says what it is
+    except Exception:  # A case of a user may raise; its row reports the error.
         return
 
 
 def _variants(case: Case, bases: Sequence[Variant], grid: _Grid) -> Iterator[Variant]:
-    """Variants with varied parameters; bases that differ in nothing else count once."""
+    """Yield variants with varied parameters; otherwise equal bases count once."""
     points = grid.points("param", varied.parameters(case, bases))
     if not points[0]:
         yield from bases
@@ -160,7 +163,7 @@ def _variants(case: Case, bases: Sequence[Variant], grid: _Grid) -> Iterator[Var
 
 
 def _rest(variant: Variant, point: Mapping[str, Any]) -> str:
-    """The parameters that are not varied."""
+    """Return the parameters that are not varied."""
     return canonical({k: value for k, value in variant.parameters.items() if k not in point})
 
 
@@ -170,8 +173,9 @@ def _short(value: object) -> str:
 
 
 def _outside(case: Case, variant: Variant) -> str:
-    """Why a variant is not run; empty where it is."""
-    with suppress(Exception):  # of others: the row says what its reference says
+    """Return why a variant is not run; empty if it is."""
+    # A case of a user may raise; its row reports the error of its reference.
+    with suppress(Exception):
         if case.valid is not None and not case.valid(**variant.parameters):
             return "the closed form of the case does not hold at these parameters"
     return ""
@@ -185,7 +189,7 @@ def _runs(
     couplings: Sequence[str | None],
     grid: _Grid,
 ) -> Iterator[Run]:
-    """All runs of a variant, those of one problem beside each other."""
+    """Yield all runs of a variant, with those of one problem in sequence."""
     sizes = grid.points("size", varied.sizes(case))
     levels = case.levels(variant, meshes)
     if sizes[0] and not meshes:

@@ -1,4 +1,4 @@
-"""What can be varied, by name: the parameters of a case, its mesh, the loop and the backends."""
+"""Varied parameters by name: those of a case, its mesh, the loop and the backends."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -13,12 +13,12 @@ from lacore_verification.case import Case, Variant
 from lacore_verification.harness.campaigns.axis import ALIASES, KINDS, Axis, read_value
 
 Names = Mapping[str, Mapping[str, type]]
-"""By what has them (a case, a backend), the names that can be varied, and their types."""
+"""Names that can be varied, and their types, by case or backend."""
 _TYPES = (bool, int, float, str)
 
 
 def parameters(case: Case, variants: Iterable[Variant]) -> dict[str, type]:
-    """Parameters that all of these variants have."""
+    """Return the parameters that all of these variants have."""
     shared = [variant.parameters for variant in variants]
     return {
         name: _type(case.build, name, value)
@@ -28,7 +28,7 @@ def parameters(case: Case, variants: Iterable[Variant]) -> dict[str, type]:
 
 
 def sizes(case: Case) -> dict[str, type]:
-    """Keywords that all mesh levels have, of those that are numbers or words."""
+    """Return the keywords that all mesh levels have, as far as they are numbers or text."""
     first, *others = case.meshes.values()
     return {
         name: _type(case.build, name, value)
@@ -38,14 +38,14 @@ def sizes(case: Case) -> dict[str, type]:
 
 
 def settings() -> dict[str, type]:
-    """Of the coupling loops."""
+    """Return the settings of the coupling loops."""
     from lacore.coupling.options import CouplingOptions
 
     return _fields(CouplingOptions)
 
 
 def options(backend: str) -> dict[str, type]:
-    """Of a backend; none of one that is missing: its rows say so."""
+    """Return the options of a backend; none for a missing one, which its rows report."""
     with suppress(la.CapabilityError):
         return _fields(load_backend(backend).Options)
     return {}
@@ -59,9 +59,10 @@ def _fields(cls: type) -> dict[str, type]:
 
 
 def _type(owner: Callable[..., Any], name: str, default: Any) -> type:
-    """What a value has to be: as its owner annotates it, or like its default."""
+    """Return the type of a value, from its annotation or its default."""
     hints: dict[str, Any] = {}
-    with suppress(NameError, TypeError, AttributeError):  # names that only a type checker knows
+    # Some names are known to type checkers only.
+    with suppress(NameError, TypeError, AttributeError):
         hints = get_type_hints(owner)
     hint = hints.get(name)
     plain = [part for part in get_args(hint) or (hint,) if part is not NoneType]
@@ -70,10 +71,10 @@ def _type(owner: Callable[..., Any], name: str, default: Any) -> type:
 
 
 def resolved(axis: Axis, known: Mapping[str, Names]) -> Axis:
-    """An axis with its kind.
+    """Return an axis with its kind.
 
     Args:
-        axis: perhaps without.
+        axis: possibly without a kind.
         known: by kind. Each case must have a parameter or a size; of backends one is enough.
 
     Raises:
@@ -103,9 +104,9 @@ def resolved(axis: Axis, known: Mapping[str, Names]) -> Axis:
 
 
 def grid(axes: Sequence[Axis], types: Mapping[str, type]) -> list[dict[str, Any]]:
-    """All combinations of the values of axes, the last changing fastest; of none a single one.
+    """Return all combinations of the values of axes, the last changing fastest; one without axes.
 
-    Axes whose name is not among the types are left out.
+    Axes whose name is not among the types are omitted.
 
     Raises:
         InputError: a value of another type, or one twice.

@@ -1,1 +1,1 @@
-"""States, brackets and paths as bytes, and back: so that a stored number can be proven again."""
+"""Serialisation of states, brackets and paths, so that a stored number can be proven again."""

@@ -1,4 +1,4 @@
-"""What a bracket leaves behind: meshes, and the shares of their elements in the gap (T26)."""
+"""Stored evidence of a bracket: meshes, and the shares of their elements in the gap (T26)."""
 
 import io
 from collections.abc import Mapping, Sequence
@@ -18,13 +18,13 @@ class Shares:
 
     Attributes:
         mesh: ``uniform``, ``irregular``, or ``upper``, ``lower``: refined for that bound.
-        points, elements: of the mesh, shapes (2, n) and (3, e), in space one more each.
+        points, elements: of the mesh, shapes (2, n) and (3, e), in 3D one more each.
         shares: of elements in the gap, shape (e,), in the unit of load factors.
         interfaces: shares of interfaces.
-        marks: shares that the mesh of a lower bound was refined by; empty for other meshes.
+        marks: shares by which the mesh of a lower bound was refined; empty for other meshes.
         lower, upper: load factors of both bounds on this mesh.
-        scale: the larger of the load factor and the plastic power, which dead loads may exceed it
-            by: what round-off is relative to.
+        scale: the larger of the load factor and the plastic power, as dead loads may make the
+            latter larger; round-off is relative to it.
     """
 
     mesh: str
@@ -49,7 +49,7 @@ class Shares:
 
 
 def packed_shares(found: Sequence[Shares]) -> bytes:
-    """In numpy's archive format."""
+    """Return shares in numpy's archive format."""
     arrays: dict[str, np.ndarray] = {"meshes": np.array([one.mesh for one in found])}
     for one in found:
         arrays |= {f"{one.mesh}_{name}": getattr(one, name) for name in _ARRAYS}
@@ -60,7 +60,7 @@ def packed_shares(found: Sequence[Shares]) -> bytes:
 
 
 def unpacked_shares(data: bytes) -> list[Shares]:
-    """The inverse of `packed_shares`; nothing in the data is run.
+    """Return the inverse of `packed_shares`; nothing in the data is executed.
 
     Raises:
         ValueError: the bytes are no such archive.
@@ -69,7 +69,8 @@ def unpacked_shares(data: bytes) -> list[Shares]:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             arrays = dict(archive)
         return [_shares(str(mesh), arrays) for mesh in arrays["meshes"]]
-    except Exception as error:  # zip, struct, key and value errors: the bytes are none of ours
+    # zip, struct, key and value errors mean that the bytes have another format.
+    except Exception as error:
         raise ValueError(f"no bracket: {error}") from error
 
 

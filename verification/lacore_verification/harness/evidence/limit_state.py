@@ -1,4 +1,4 @@
-"""States as bytes, and back: so that a stored number can be proven, and drawn, again."""
+"""Serialisation of states, so that a stored number can be proven and drawn again."""
 
 import io
 from collections.abc import Mapping
@@ -30,7 +30,7 @@ _SEVERAL = ("stress", "mean_stress")
 
 
 def evidence_of(state: la.LimitState) -> Evidence:
-    """What a state leaves behind."""
+    """Return the evidence of a state."""
     return Evidence(
         residuals=asdict(state.certificate) if state.certificate else {},
         history=records(state.history),
@@ -39,20 +39,20 @@ def evidence_of(state: la.LimitState) -> Evidence:
 
 
 def records(frame: pd.DataFrame) -> tuple[dict[str, Any], ...]:
-    """Rows in plain Python, column by column: a fifth of the time of `DataFrame.to_dict`."""
+    """Return rows as plain Python, by columns, five times faster than `DataFrame.to_dict`."""
     names = [str(name) for name in frame]
     columns = [frame[name].tolist() for name in frame]
     return tuple(dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True))
 
 
 def _certificate(residuals: Mapping[str, float]) -> Certificate | None:
-    """As stored; what was not computed when it was is NaN, which holds for nothing."""
+    """Return a stored certificate; residuals that were not computed are NaN and never pass."""
     names = [entry.name for entry in fields(Certificate)]
     return Certificate(**(dict.fromkeys(names, nan) | dict(residuals))) if residuals else None
 
 
 def _findings(row: Row) -> tuple[Finding, ...]:
-    """As stored; results of earlier versions have the text alone."""
+    """Return stored findings; results of earlier versions have the text alone."""
     if row.findings or not row.message:
         return restored_findings(row.findings)
     return (Finding(Kind.EARLIER, values={"text": row.message}),)
@@ -63,19 +63,20 @@ def _values(row: Row) -> RegularisedValues:
 
 
 def packed(point: ProgramState, **more: Floats) -> bytes:
-    """A state in numpy's archive format, with what else is needed to know its problem."""
+    """Return a state in numpy's archive format, with further arrays that define its problem."""
     arrays = {name: getattr(point, name) for name in _SINGLE}
     arrays |= {
         f"{name}_{n}": part for name in _SEVERAL for n, part in enumerate(getattr(point, name))
     }
     buffer = io.BytesIO()
     arrays |= {"load_factor": np.array(point.load_factor), "groups": np.array(len(point.stress))}
-    np.savez(buffer, **(arrays | more))  # compressed takes five times as long, and hardly less room
+    # Compression takes five times as long, and the file is hardly smaller.
+    np.savez(buffer, **(arrays | more))
     return buffer.getvalue()
 
 
 def unpacked(data: bytes) -> ProgramState:
-    """The inverse of `packed`; nothing in the data is run.
+    """Return the inverse of `packed`; nothing in the data is executed.
 
     Raises:
         ValueError: the bytes are no such archive.
@@ -91,7 +92,8 @@ def unpacked(data: bytes) -> ProgramState:
             normal_reaction=arrays["normal_reaction"],
             tangential_reaction=arrays["tangential_reaction"],
         )
-    except Exception as error:  # zip, struct, key and value errors: the bytes are none of ours
+    # zip, struct, key and value errors mean that the bytes have another format.
+    except Exception as error:
         raise ValueError(f"no state: {error}") from error
 
 
@@ -101,12 +103,12 @@ def _parts(arrays: Mapping[str, Floats], name: str) -> tuple[Floats, ...]:
 
 @dataclass(frozen=True)
 class Proof:
-    """What a stored state proves, computed afresh.
+    """Recomputed proof of a stored state.
 
     Attributes:
         load_factor: that the row must have.
         certificate: of the state.
-        bar: for its residuals, where none is asked for.
+        bar: tolerance of its residuals if none is given.
     """
 
     load_factor: float
@@ -115,7 +117,7 @@ class Proof:
 
 
 def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> Proof:
-    """Residuals of a stored state, computed afresh from the problem of its run.
+    """Return residuals of a stored state, recomputed from the problem of its run.
 
     Raises:
         ValueError: there is no state, or it is not one of this problem.
@@ -128,7 +130,7 @@ def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> 
 
 
 def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
-    """The state of a row, to look at; its options are those of the run.
+    """Return the state of a row for display; its options are those of the run.
 
     Raises:
         ValueError: there is none, or it is not one of this problem.
@@ -141,7 +143,7 @@ def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
 def restored_on(
     discretisation: la.Discretisation, run: Run, row: Row, evidence: Evidence
 ) -> la.LimitState:
-    """As `restored`, of a problem that is discretised already."""
+    """Return the state as `restored`, for a problem that is discretised already."""
     return la.LimitState(
         status=next(status for status in la.Status if status.label == row.status),
         load_factor=row.load_factor,

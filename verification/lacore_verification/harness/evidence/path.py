@@ -1,7 +1,6 @@
-"""The last step of a path as bytes, and back: so that its load can be proven again.
+"""Serialisation of the last step of a path, so that its load can be proven again.
 
-It needs the configuration on which that step was solved; the path that led there is not walked
-again.
+It needs the configuration on which that step was solved; the path is not repeated.
 """
 
 import io
@@ -34,7 +33,7 @@ from lacore_verification.runs.outcome import Evidence
 from lacore_verification.runs.row import Row
 from lacore_verification.runs.run import Run
 
-_KINDS = {3: MeshTri2, 4: MeshQuad2}  # by the number of corners of an element
+_KINDS = {3: MeshTri2, 4: MeshQuad2}  # Keys are the number of corners of an element.
 
 _PLACES = ("begin", "at")
 _FIELDS = ("nodes", "strain")
@@ -43,7 +42,7 @@ _FIELDS = ("nodes", "strain")
 def packed_step(
     state: la.LimitState, snapshot: Snapshot, later: Sequence[tuple[int, Stage]] = ()
 ) -> bytes:
-    """The state of a step, and the limit problem that it answers; empty without a state.
+    """Return the state of a step, and its limit problem; empty without a state.
 
     Args:
         state: of the last step.
@@ -66,7 +65,7 @@ def packed_step(
 
 
 def recheck_step(run: Run, row: Row, evidence: Evidence) -> Proof:
-    """Residuals of the stored state of a path, computed afresh from the problem of its last step.
+    """Return residuals of the stored state of a path, recomputed from the problem of its last step.
 
     Raises:
         ValueError: there is no state, or it is not one of this path.
@@ -77,7 +76,8 @@ def recheck_step(run: Run, row: Row, evidence: Evidence) -> Proof:
     discretisation = limit_problem(stage, moment)
     point = unpacked(evidence.arrays)
     state = restored_on(discretisation, run, row, evidence)
-    state = replace(state, load_factor=point.load_factor)  # the row has that of the whole step
+    # The load factor of the row is that of the whole step.
+    state = replace(state, load_factor=point.load_factor)
     load = flow_of(state, moment).lasting(duration).load_factor
     if stated.load == "force":
         load /= gauge_of(stated.control, stage.problem)(discretisation, point.velocity)
@@ -96,7 +96,7 @@ def last_shape(run: Run, evidence: Evidence) -> tuple[Stage, Configuration]:
 
 
 def _stage(run: Run, stated: Following, data: bytes) -> Stage:
-    """The problem of a run, made ready for its path, on the meshes of its last step."""
+    """Return the problem of a run, prepared for its path, on the meshes of its last step."""
     return restored_stage(stated, run.problem(), _arrays(data))
 
 
@@ -104,12 +104,12 @@ def _arrays(data: bytes) -> dict[str, Any]:
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             return dict(archive)
-    except Exception as error:  # zip and value errors: the bytes are none of ours
+    except Exception as error:  # zip and value errors mean that the bytes have another format.
         raise ValueError(f"no step: {error}") from error
 
 
 def _unpacked(data: bytes, bodies: list[str]) -> tuple[Moment, float]:
-    """The moment of a step, and the duration for which its load is."""
+    """Return the moment of a step, and the duration of its load."""
     arrays = _arrays(data)
     try:
         begin, at = (
@@ -119,7 +119,8 @@ def _unpacked(data: bytes, bodies: list[str]) -> tuple[Moment, float]:
             for place in _PLACES
         )
         own, share, duration = map(float, arrays["times"])
-    except Exception as error:  # zip, struct, key and value errors: the bytes are none of ours
+    # zip, struct, key and value errors mean that the bytes have another format.
+    except Exception as error:
         raise ValueError(f"no step: {error}") from error
     return Moment(begin, at, own, share), duration
 
@@ -138,11 +139,11 @@ def _packed_stage(stage: Stage) -> dict[str, Any]:
 
 
 def restored_stage(stated: Following, problem: la.Problem, arrays: Mapping[str, Any]) -> Stage:
-    """Make a problem ready for its path, on the meshes that were packed, if there are any.
+    """Return a problem prepared for its path, on the packed meshes if there are any.
 
     Args:
         stated: how it is followed; its interfaces name boundaries.
-        problem: where the path begins.
+        problem: initial problem of the path.
         arrays: of the last step, see `packed_stage`.
     """
     problem = stated.problem(problem)
@@ -159,7 +160,7 @@ def restored_stage(stated: Following, problem: la.Problem, arrays: Mapping[str, 
 
 
 def _moved(tools: Tooling, arrays: Mapping[str, Any]) -> Tooling:
-    """Tools at the poses that were packed, if there are any."""
+    """Return the tools at the packed poses, if there are any."""
     shapes, blocks = dict(tools.shapes), dict(tools.blocks)
     for name, block in tools.blocks.items():
         at = arrays.get(f"tool/{name}")

@@ -1,7 +1,7 @@
-"""Nodes that a solve has put where hinges form in members under loads along them.
+"""Nodes that a solve has added where hinges form in members under distributed loads.
 
-They belong to the discretisation of a state, not to its problem: a stored state is worth nothing
-without them, and so they are stored beside it.
+They belong to the discretisation of a state, not to its problem: a stored state cannot be used
+without them, so they are stored with it.
 """
 
 import io
@@ -17,12 +17,13 @@ from lacore.program.state import ProgramState
 from lacore_verification.runs.outcome import Evidence
 
 _NODES = "nodes_"
-_BEYOND = 2e-6  # relative: certified states are beyond yield by 1e-6 at most between their nodes
-_BEYOND_REGULARISED = 2e-3  # those by 1e-3
+# Relative: certified states exceed the yield condition by 1e-6 at most between nodes.
+_BEYOND = 2e-6
+_BEYOND_REGULARISED = 2e-3  # Regularised states exceed it by 1e-3.
 
 
 def nodes_of(state: la.LimitState) -> dict[str, Floats]:
-    """Places (2, N) of the nodes of frames, by the name of an array."""
+    """Return places (2, N) of the nodes of frames, by the name of an array."""
     frames = state.discretisation.frames.items()
     return {f"{_NODES}{name}": dofs.body.position for name, dofs in frames}
 
@@ -30,15 +31,15 @@ def nodes_of(state: la.LimitState) -> dict[str, Floats]:
 def as_solved(
     problem: la.Problem, discretisation: la.Discretisation, evidence: Evidence
 ) -> la.Discretisation:
-    """The discretisation of a stored state.
+    """Return the discretisation of a stored state.
 
     Args:
         problem: of its run.
-        discretisation: of that, which is returned where the state has the same nodes.
+        discretisation: of that, which is returned if the state has the same nodes.
         evidence: of the run.
 
     Raises:
-        ValueError: nodes that are none of the problem's members.
+        ValueError: a node is not on a member of the problem.
     """
     if not discretisation.frames or not evidence.arrays:
         return discretisation
@@ -58,16 +59,17 @@ def as_solved(
 
 
 def _stored(data: bytes) -> dict[str, Floats]:
-    """Arrays of places; nothing in the data is run."""
+    """Return arrays of places; nothing in the data is executed."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             return {key: archive[key] for key in archive.files if key.startswith(_NODES)}
-    except Exception as error:  # zip, struct, key and value errors: the bytes are none of ours
+    # zip, struct, key and value errors mean that the bytes have another format.
+    except Exception as error:
         raise ValueError(f"no state: {error}") from error
 
 
 def require_hinges(discretisation: la.Discretisation, point: ProgramState, exact: bool) -> None:
-    """Raise `ValueError` where a state is beyond yield between its nodes."""
+    """Raise `ValueError` where a state exceeds the yield condition between its nodes."""
     beyond = span_excess(discretisation, point)
     if not beyond <= (_BEYOND if exact else _BEYOND_REGULARISED):
         raise ValueError(f"between its nodes a member is beyond yield by {beyond:.1e}")

@@ -1,1 +1,1 @@
-"""One run, of a limit state, bracket or path: here, in a process of its own, on a cluster."""
+"""Execution of one run, of a limit state, bracket or path: here, in a process, or on a cluster."""

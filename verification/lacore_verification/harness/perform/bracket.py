@@ -1,4 +1,4 @@
-"""Put a case between two proven load factors, and look where the rest of the gap is."""
+"""Run of a bracket: proven bounds of a load factor, and the distribution of the gap."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -23,8 +23,8 @@ from lacore_verification.runs.outcome import Evidence, Outcome
 from lacore_verification.runs.row import STRICT, Row
 from lacore_verification.runs.run import Run
 
-_LIMIT = 600.0  # s, where none is given
-_PART = 0.8  # of the time limit; what follows the bracket takes the rest
+_LIMIT = 600.0  # s, by default.
+_PART = 0.8  # Share of the time limit; the steps after the bracket have the rest.
 _SOLVED = la.Status.SOLVED
 _FEW = (la.Status.UNSAFE, la.Status.LOCKED)
 
@@ -36,18 +36,18 @@ def run_bracket(
     time_limit: float | None,
     memory: Callable[[], float],
 ) -> Outcome:
-    """The row of a bracket, and the gap identity on four meshes.
+    """Return the row of a bracket, and the gap identity on four meshes.
 
     Args:
-        run: to be done.
+        run: the run.
         names: columns that are known already.
         problem: of the run.
         time_limit: s, of the whole run.
         memory: peak memory of this process, MB.
 
     Raises:
-        InputError: what no bracket can be made of.
-        CapabilityError: the backend cannot take it.
+        InputError: the problem has no bracket.
+        CapabilityError: the backend does not support it.
     """
     stated = run.case.bracket or Bracketing()
     stated = replace(stated, target_width=run.settings.get("target_width", stated.target_width))
@@ -59,7 +59,7 @@ def run_bracket(
         stated.max_elements,
         _PART * (time_limit or _LIMIT),
         run.backend,
-        jobs=1,  # other runs have the other processors
+        jobs=1,  # Other runs use the other processors.
     )
     seconds = clock.seconds
     proven = np.isfinite(found.lower) and np.isfinite(found.upper)
@@ -94,7 +94,7 @@ def _elements(bound: la.UpperBound | la.LowerBound) -> int:
 
 
 def _residuals(found: la.Bracket) -> dict[str, float]:
-    """What proves both bounds, under the names of `lacore.program.certificate.Certificate`."""
+    """Return the residuals of both bounds, by names of `lacore.program.certificate.Certificate`."""
     upper, below = found.upper_bound, found.lower_bound.certificate
     residuals = {"divergence": upper.divergence, "penetration": upper.penetration}
     if below is not None:
@@ -105,7 +105,7 @@ def _residuals(found: la.Bracket) -> dict[str, float]:
 
 
 def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterator[Shares]:
-    """On the mesh of the problem, on one without any order, and on those of both bounds."""
+    """Yield shares on the mesh of the problem, on an irregular one, and on those of both bounds."""
     problem = la.matching(problem)
     finer = {
         name: replace(body, mesh=irregular(body.mesh)) for name, body in continua(problem).items()
@@ -116,7 +116,7 @@ def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterato
     for mesh, stated in (("uniform", problem), ("irregular", disordered)):
         lower = la.lower_bound(stated, backend)
         upper = la.upper_bound(stated, backend)
-        # Elements that are too few to carry the dead loads, or to flow, are no failure.
+        # Meshes too coarse to carry the dead loads, or to flow, are no failure.
         if lower.status not in _FEW and upper.status not in _FEW:
             yield _shares(mesh, upper, la.gap_identity(upper, lower))
     yield _shares("upper", found.upper_bound, found.gaps())

@@ -1,7 +1,7 @@
-"""Runs on the workers of a Dask cluster: the same processes as here, started there.
+"""Runs on the workers of a Dask cluster, in the same processes as here.
 
-A worker has a process of ours a thread, so that the time limit of a run holds there, too. A worker
-that dies costs nothing: Dask gives its runs to another one, and only what has come back is kept.
+A worker has one process per thread, so that the time limit of a run is also kept there. If a worker
+dies, Dask gives its runs to another one, and only returned results are kept.
 """
 
 import asyncio
@@ -36,14 +36,14 @@ from lacore_verification.runs.outcome import Evidence, Outcome
 from lacore_verification.runs.row import Row
 from lacore_verification.runs.run import Run
 
-_PATIENCE = 8  # s, for a scheduler and its workers to answer
+_PATIENCE = 8  # s, for a scheduler and its workers to respond.
 
 
 class Children(WorkerPlugin):
     """The processes of one worker, kept between runs; they end with it.
 
     Args:
-        name: of the plugin, one a sweep.
+        name: of the plugin, one per sweep.
         folders: of cases of users, for imports.
     """
 
@@ -52,7 +52,7 @@ class Children(WorkerPlugin):
         self._folders = folders
 
     def setup(self, worker: Worker) -> None:
-        """On the worker, before its first run."""
+        """Prepare the worker before its first run."""
         sys.path.extend(folder for folder in self._folders if folder not in sys.path)
         self._stop = threading.Event()
         self._lock = threading.Lock()
@@ -60,7 +60,7 @@ class Children(WorkerPlugin):
         self._idle: list[RunProcess] = []
 
     def teardown(self, worker: Worker) -> None:
-        """On the worker, at the end of the sweep or of the worker."""
+        """End the processes at the end of the sweep or of the worker."""
         self._stop.set()
         with self._lock:
             for child in self._all:
@@ -69,12 +69,12 @@ class Children(WorkerPlugin):
                 child.close()
 
     def in_idle_process(self, run: Run, time_limit: float) -> Outcome:
-        """Outcome of a run, in a process that has nothing else to do."""
+        """Return the outcome of a run, in an idle process."""
         with self._lock:
             child = self._idle.pop() if self._idle else RunProcess()
             if child not in self._all:
                 self._all.append(child)
-            if self._stop.is_set():  # while the run came here
+            if self._stop.is_set():  # It was stopped while the run was sent.
                 child.kill()
         try:
             return attempt(child, run, time_limit, self._stop)
@@ -93,22 +93,22 @@ def on_worker(
     solvers: Sequence[str],
     code: str,
 ) -> tuple[Row, Evidence, str]:
-    """A run, on a worker, and what it printed.
+    """Return a run on a worker, and its output.
 
     Args:
         name: of the plugin.
-        index: of the run, for the news that it has begun.
+        index: of the run, for the event of its start.
         pickled: the run; as bytes, because the scheduler need not know the cases.
         time_limit: s.
         solvers: backends of the run.
-        code: version of the code that asks, with these.
+        code: version of the code of the client, with these.
 
     Raises:
         InputError: the worker has other code.
     """
     worker = get_worker()
     own = code_version(*solvers)
-    release_processes()  # in which backends were asked for their versions
+    release_processes()  # These processes were started to read versions of backends.
     if own != code:
         raise InputError(
             "--scheduler",
@@ -130,14 +130,14 @@ def run_on_cluster(
     time_limit: float = TIME_LIMIT,
     on_start: OnStart = lambda _: None,
 ) -> Generator[Outcome, None, None]:
-    """Outcomes as they come, of all workers; closing the generator stops all that are at work.
+    """Yield outcomes as they come, of all workers; closing the generator stops running ones.
 
     Args:
-        runs: what to do.
+        runs: the runs.
         client: of the cluster, see `connected`.
-        folders: with cases of users; they are at the same place there.
+        folders: with cases of users; they have the same paths there.
         time_limit: s, of a run.
-        on_start: called by a thread of its own.
+        on_start: called from a separate thread.
 
     Raises:
         InputError: a worker has other code, or the scheduler is gone.
@@ -154,7 +154,7 @@ def run_on_cluster(
         for future in as_completed(list(futures), loop=client.loop):
             yield _outcome(futures.pop(future), future)
     finally:
-        with suppress(OSError, CancelledError, TimeoutError):  # of a cluster that is gone
+        with suppress(OSError, CancelledError, TimeoutError):  # The cluster may be gone.
             client.cancel(list(futures))
             client.unsubscribe_topic(name)
             client.unregister_worker_plugin(name)
@@ -165,7 +165,7 @@ def _outcome(run: Run, future: Any) -> Outcome:
         row, evidence, log = future.result()
     except InputError:
         raise
-    except KilledWorker as error:  # several, each while it was at this run
+    except KilledWorker as error:  # Several workers died, each during this run.
         return lost(run, la.Status.FAILED, f"its workers died: {error}")
     except (CancelledError, OSError) as error:
         raise InputError(
@@ -174,21 +174,21 @@ def _outcome(run: Run, future: Any) -> Outcome:
             f"the cluster is gone ({type(error).__name__})",
             "start it and give the same command again: every finished run is kept",
         ) from error
-    except Exception as error:  # on the way there or back: the other runs go on
+    except Exception as error:  # Errors in transfer; the other runs continue.
         return lost(run, la.Status.FAILED, f"{type(error).__name__}: {error}")
     return Outcome(run, row, evidence, log)
 
 
 @contextmanager
 def connected(address: str, folders: Iterable[Path] = ()) -> Iterator[Client]:
-    """A client of the scheduler at an address.
+    """Yield a client of the scheduler at an address.
 
     Raises:
-        InputError: it does not answer, has no worker, or a folder is not there.
+        InputError: it does not respond, has no worker, or a folder does not exist.
     """
     try:
         asyncio.run(asyncio.wait_for(_greet(address), _PATIENCE))
-    except Exception as error:  # whatever is at that address may answer anything
+    except Exception as error:  # Any program may be at that address.
         raise InputError(
             "--scheduler",
             address,
@@ -214,16 +214,16 @@ def connected(address: str, folders: Iterable[Path] = ()) -> Iterator[Client]:
 
 
 async def _greet(address: str) -> None:
-    """Ask a scheduler who it is: a `Client` of nobody hangs long after it has given up."""
+    """Identify a scheduler, because a `Client` without one hangs long after it has given up."""
     async with rpc(address, timeout=_PATIENCE) as scheduler:
         await scheduler.identity()
 
 
 @contextmanager
 def local(jobs: int) -> Iterator[Client]:
-    """A client of a cluster in this process, of that many workers of one thread.
+    """Yield a client of a cluster in this process, with workers of one thread each.
 
-    The work is done in processes anyway, and so Ctrl-C comes here only.
+    The work is done in other processes, so that Ctrl-C is received here only.
     """
     with (
         LocalCluster(

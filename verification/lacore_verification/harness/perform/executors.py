@@ -1,4 +1,4 @@
-"""Where commands run what they run: processes here, or a Dask cluster."""
+"""Executors of commands: processes here, or a Dask cluster."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -17,7 +17,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def dask_options(command: _Command) -> _Command:
-    """Gives a command the arguments `on_dask` and `scheduler`."""
+    """Add the arguments `on_dask` and `scheduler` to a command."""
     on_this_machine = click.option(
         "--dask",
         "on_dask",
@@ -35,7 +35,7 @@ def dask_options(command: _Command) -> _Command:
 
 
 def require_one_place(on_dask: bool, scheduler: str | None) -> None:
-    """Raise `InputError` where two clusters are asked for."""
+    """Raise `InputError` if two clusters are given."""
     if on_dask and scheduler is not None:
         raise InputError("--dask", None, "--scheduler is given, too", "omit one of them")
 
@@ -44,7 +44,7 @@ def require_one_place(on_dask: bool, scheduler: str | None) -> None:
 def executor_of(
     jobs: int, on_dask: bool, scheduler: str | None, folders: Sequence[Path] = ()
 ) -> "Iterator[Executor]":
-    """What performs runs; `folders`: of cases of users, for imports on other machines.
+    """Yield the executor of runs; `folders` are those of cases of users, for imports elsewhere.
 
     Raises:
         InputError: Dask is not installed, or the scheduler cannot be used.

@@ -1,4 +1,4 @@
-"""Meshes without any order: what holds on them does not hold by symmetry."""
+"""Irregular meshes, so that results on them do not depend on symmetry."""
 
 from dataclasses import replace
 from itertools import combinations
@@ -10,13 +10,13 @@ from lacore.model.meshes.refinement import bisected
 from lacore.model.meshes.solid.bisection import bisected_tetrahedra
 from lacore.numerics.arrays import Floats
 
-_PART = 3  # one in so many elements is divided
-_MOVE = 0.25  # of the least height around a vertex: no element can turn over
+_PART = 3  # One in so many elements is divided.
+_MOVE = 0.25  # Relative to the least height around a vertex, so that no element is inverted.
 _DIVIDED = {2: bisected, 3: bisected_tetrahedra}
 
 
 def irregular(mesh: MeshTri | MeshTet, seed: int = 0) -> MeshTri | MeshTet:
-    """Elements divided at random, inner vertices moved at random; boundaries stay."""
+    """Return a mesh with elements divided and inner vertices moved at random; boundaries stay."""
     rng = np.random.default_rng(seed)
     count, d = mesh.nelements, mesh.p.shape[0]
     finer, _ = _DIVIDED[d](mesh, np.sort(rng.permutation(count)[: -(-count // _PART)]))
@@ -32,7 +32,7 @@ def irregular(mesh: MeshTri | MeshTet, seed: int = 0) -> MeshTri | MeshTet:
 
 
 def _heights(corner: Floats) -> Floats:
-    """Least heights of simplices with corners (d, d + 1, n), m, shape (n,)."""
+    """Return the least heights of simplices with corners (d, d + 1, n), m, shape (n,)."""
     d = corner.shape[0]
     volume = np.abs(np.linalg.det(np.moveaxis(corner[:, 1:] - corner[:, :1], 2, 0)))
     facets = []

@@ -1,4 +1,4 @@
-"""Solve one limit problem and judge its state."""
+"""Run of a limit problem with its verdict."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -31,19 +31,19 @@ def run_limit_state(
     time_limit: float | None,
     memory: Callable[[], float],
 ) -> Outcome:
-    """The row of a limit problem, and its state.
+    """Return the row of a limit problem, and its state.
 
     Args:
-        run: to be done.
+        run: the run.
         names: columns that are known already.
         discretisation: of its problem.
         reference, band: of its load factor.
-        time_limit: s, of each inner solve, as far as the backend keeps it.
+        time_limit: s, of each inner solve, if the backend supports it.
         memory: peak memory of this process, MB.
 
     Raises:
-        InputError: a setting or an option that there is not.
-        CapabilityError: the backend cannot take it.
+        InputError: a setting or an option does not exist.
+        CapabilityError: the backend does not support it.
     """
     coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
     limit = shorter_limit(run.backend, time_limit)
@@ -66,7 +66,8 @@ def run_limit_state(
         "coupling": run.coupling or state.coupling,
         "model": MODELS.get(state.coupling, ""),
         "error": distance(state.load_factor, reference, band),
-        "peak_memory_mb": float(np.fmax(state.peak_memory, memory())),  # of either process
+        # The maximum of both processes.
+        "peak_memory_mb": float(np.fmax(state.peak_memory, memory())),
         "verdict": verdict,
         "why": why,
     }
@@ -74,9 +75,9 @@ def run_limit_state(
 
 
 def _standing(state: la.LimitState) -> dict[str, Any]:
-    """Columns of the stability of a state; the exact ones of a problem speak for all.
+    """Return the columns of the stability of a state; that of exact backends represents all.
 
-    It is a fact of the problem, proven by its residuals: one exact backend asks for all.
+    It is a property of the problem, proven by its residuals: one exact backend computes it for all.
     """
     if la.find_backend(state.backend).capabilities.regularised:
         return {}
@@ -115,9 +116,9 @@ def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
 
 
 def _times(state: la.LimitState) -> dict[str, Any]:
-    """Times of the inner solves of the backend: by our clock, and as it reports them."""
+    """Return the times of the inner solves: measured here, and reported by the backend."""
     own = state.history[state.history["kind"] != CENTRAL_PATH]
-    reported = own["reported_time"].fillna(own["solve_time"])  # in our process they are the same
+    reported = own["reported_time"].fillna(own["solve_time"])  # In this process they are equal.
     return {
         "solver_time": float(own["solve_time"].sum()),
         "reported_time": float(reported.sum()),
@@ -125,12 +126,12 @@ def _times(state: la.LimitState) -> dict[str, Any]:
 
 
 def claims_success(state: la.LimitState) -> bool:
-    """Whether the solver itself called its last inner solve solved."""
+    """Return whether the solver itself reported its last inner solve as solved."""
     return bool(state.history["inner_status"].iloc[-1] == la.Status.SOLVED.label)
 
 
 def shorter_limit(backend: str, time_limit: float | None) -> dict[str, float]:
-    """Options that limit a solve to the time of its run, if the backend sets no shorter limit.
+    """Return options that limit a solve to the time of its run, unless its limit is shorter.
 
     Args:
         backend: Its name.

@@ -1,6 +1,6 @@
-"""One run, whatever it is of: its problem assembled, its row, and what stands for a lost one."""
+"""Execution of any run: its assembled problem, its row, and the row of a lost one."""
 
-from __future__ import annotations  # not evaluated: what they name is not loaded
+from __future__ import annotations  # Annotations are not evaluated: their names are not loaded.
 
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -21,14 +21,14 @@ from lacore_verification.runs.run import FUZZ, Run
 
 @dataclass(frozen=True)
 class Assembled:
-    """A discretised problem, and what that took, s."""
+    """A discretised problem, and the time of its assembly, s."""
 
     discretisation: la.Discretisation
     build_time: float
 
 
 def assemble(run: Run) -> Assembled | Exception:
-    """The problem of a run, or what went wrong: other runs go on."""
+    """Return the problem of a run, or its error, so that other runs continue."""
     begin = time.perf_counter()
     try:
         discretisation = la.discretise(run.problem())
@@ -57,12 +57,12 @@ def outcome_of(
     memory: Callable[[], float] = lambda: nan,
     on_error: Callable[[Exception], object] = lambda _: None,
 ) -> Outcome:
-    """One row, whatever happens.
+    """Return one row in all cases.
 
     Args:
-        run: to be done.
-        assembled: its problem, or why there is none.
-        time_limit: s, of each inner solve, as far as the backend keeps it.
+        run: the run.
+        assembled: its problem, or the error.
+        time_limit: s, of each inner solve, if the backend supports it.
         memory: peak memory of this process, MB.
         on_error: called with an exception that is neither bad input nor a missing capability.
     """
@@ -87,7 +87,7 @@ def outcome_of(
         if run.coupling == BRACKET and error.field.startswith("Problem"):
             return _skipped(run, names, f"no bracket can be stated: {error}")
         return Outcome(run, _failed(names, error))
-    except Exception as error:  # a broken backend must not take the others' results with it
+    except Exception as error:  # An error of a backend must not affect the results of others.
         on_error(error)
         return Outcome(run, _failed(names, error))
 
@@ -127,7 +127,7 @@ def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Out
 
     try:
         return run_random(run, names, memory)
-    except Exception as error:  # of a check: its row says so
+    except Exception as error:  # The row reports an error of a check.
         return Outcome(run, _failed(names, error))
 
 

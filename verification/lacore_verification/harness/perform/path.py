@@ -1,4 +1,4 @@
-"""Follow a case along its path: one row, with the worst that happened on the way."""
+"""Run of a path: one row, with the largest errors along it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
@@ -25,7 +25,7 @@ from lacore_verification.runs.outcome import Evidence, Outcome
 from lacore_verification.runs.row import Row
 from lacore_verification.runs.run import Run
 
-_TAKEN = ("tolerance",)  # settings of `lacore.solve` that `lacore.sequential` takes
+_TAKEN = ("tolerance",)  # Settings of `lacore.solve` that `lacore.sequential` supports.
 
 
 def run_path(
@@ -37,19 +37,19 @@ def run_path(
     time_limit: float | None,
     memory: Callable[[], float],
 ) -> Outcome:
-    """The row of a path: its load factor is that of the last step.
+    """Return the row of a path: its load factor is that of the last step.
 
     Args:
-        run: to be done.
+        run: the run.
         names: columns that are known already.
-        discretisation: of the problem where the path begins.
+        discretisation: of the initial problem of the path.
         reference, band: of the load factor.
-        time_limit: s, of each inner solve, as far as its backend keeps it.
+        time_limit: s, of each inner solve, if its backend supports it.
         memory: peak memory of this process, MB.
 
     Raises:
-        InputError: what no path can be made of.
-        CapabilityError: the backend takes no hardening.
+        InputError: the problem has no path.
+        CapabilityError: the backend does not support hardening.
     """
     stated = run.case.following_of(run.variant)
     for name in run.settings:
@@ -107,9 +107,9 @@ def run_path(
 
 
 def start_bounds(problem: la.Problem) -> tuple[float, float]:
-    """Strict bounds of the load with which a path begins (T14).
+    """Return strict bounds of the load with which a path begins (T14).
 
-    No friction from below, associated friction from above; sticking is what it is.
+    The lower one has no friction, the upper one associated friction; stick is unchanged.
     """
     bodies = {
         name: replace(body, space=BOUNDING) if isinstance(body, la.Body) else body
@@ -125,7 +125,7 @@ def start_bounds(problem: la.Problem) -> tuple[float, float]:
 
 
 def _start(run: Run, stated: Following, discretisation: la.Discretisation) -> float:
-    """Load factor with which the path begins, on its own elements."""
+    """Return the load factor with which the path begins, on its own elements."""
     first = la.sequential(
         stated.problem(discretisation.problem),
         stated.travel / stated.steps,
@@ -141,7 +141,7 @@ def _start(run: Run, stated: Following, discretisation: la.Discretisation) -> fl
 
 
 def _volume_change(path: la.Path) -> float:
-    """Largest change of volume of a step, of the volume before."""
+    """Return the largest relative change of volume in a step."""
     volumes = _numbers(path.history, "volume")
     start = sum(
         float(dofs.weights.sum())
@@ -152,5 +152,5 @@ def _volume_change(path: la.Path) -> float:
 
 
 def _numbers(history: pd.DataFrame, name: str) -> Floats:
-    """A column; of no rows it would be one of objects."""
+    """Return a column as numbers; without rows it would have objects."""
     return history[name].to_numpy(dtype=float)

@@ -16,23 +16,23 @@ _Item = TypeVar("_Item")
 
 
 def processes(items: int, jobs: int) -> int:
-    """Number of processes that work on items, `jobs` at most; 0: this process does it."""
+    """Return the number of processes for items, `jobs` at most; 0 is this process."""
     return min(jobs, items // TOGETHER)
 
 
 def answers(
     worker: str, method: str, items: Sequence[_Item], jobs: int, limit: float, isolate: bool
 ) -> Generator[tuple[_Item, Any]]:
-    """Yield each item with the answer to it, or with the exception in place of an answer.
+    """Yield each item with its result, or with the exception in its place.
 
     Args:
-        worker: ``module:Class`` of what does the work.
+        worker: ``module:Class`` of the worker.
         method: Name of its method, whose argument is an item.
-        items: To work on. Their order is that of the answers only if all are done in this process.
+        items: Items in the order of the results, if all are done in this process.
         jobs: Processes at most. A few items are done in this process.
         limit: Seconds for each item, in another process.
         isolate: Whether even a few items are done in another process, because they run code of
-            others, which could end this one.
+            users, which could end this one.
     """
     count = max(int(isolate), processes(len(items), jobs))
     if count < 1:
@@ -70,5 +70,5 @@ def answers(
 def _answer(ask: Any, *arguments: Any) -> Any:
     try:
         return ask(*arguments)
-    except Exception as error:  # its process ended, or the item cannot go there
+    except Exception as error:  # Its process ended, or the item cannot be sent.
         return error

@@ -1,4 +1,4 @@
-"""Runs in interpreters of their own, several at a time: what hangs or dies costs its own row."""
+"""Runs in several processes at a time: one that hangs or dies affects its own row only."""
 
 import threading
 from collections.abc import Callable, Generator, Sequence
@@ -26,30 +26,30 @@ from lacore_verification.runs.outcome import Evidence, Outcome
 from lacore_verification.runs.row import Row
 from lacore_verification.runs.run import Run
 
-_TRACED = {"PYTHONFAULTHANDLER": "1"}  # a crash leaves a traceback in the log of its run
-_JUDGING = {ISOLATE: "all"}  # backends only solve, each in a process of its own
+_TRACED = {"PYTHONFAULTHANDLER": "1"}  # A crash leaves a traceback in the log of its run.
+_JUDGING = {ISOLATE: "all"}  # Backends only solve, each in its own process.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of processes that share the cores."""
 _WORKER = "lacore_verification.harness.perform.worker:Worker"
-_ATTEMPTS = 2  # a process may have been killed by somebody else
+_ATTEMPTS = 2  # A process may have been killed externally.
 
 OnStart = Callable[[Run], None]
 
 
 class Executor(Protocol):
-    """What performs runs: `run_in_processes`, or the like on other machines."""
+    """Executor of runs: `run_in_processes`, or its counterpart on other machines."""
 
     def __call__(
         self, runs: Sequence[Run], *, time_limit: float, on_start: OnStart
     ) -> Generator[Outcome, None, None]:
-        """Outcomes as they come; closing the generator stops what is at work."""
+        """Yield outcomes as they come; closing the generator stops running ones."""
 
 
 class RunProcess(ChildProcess):
-    """A process that performs and judges runs, on one thread; no code of a backend runs in it.
+    """A process that executes and evaluates runs, on one thread, without code of backends.
 
-    A case that others wrote gets one of its own, and so does what comes after it: it may have left
-    any trace in an interpreter, from a path that is gone to settings that change numbers.
+    A case of a user gets its own process, and so does the next run: it may have left any trace in
+    an interpreter, from a missing path to settings that change numbers.
     """
 
     def __init__(self) -> None:
@@ -58,18 +58,21 @@ class RunProcess(ChildProcess):
         self._case: Case | None = None
 
     def ask_for(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:
-        """Row and evidence of a run by its `Worker`, within `limit` seconds; raises as `ask`."""
+        """Return row and evidence of a run by its `Worker`, within `limit` seconds.
+
+        Raises as `ask`.
+        """
         before, self._case = self._case or run.case, run.case
         if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
             self.close()
         if not run.skip:
-            self.ask(START + WARM_UP, "open", run.backend)  # no part of the time limit
+            self.ask(START + WARM_UP, "open", run.backend)  # It is not part of the time limit.
         row, evidence = self.ask(limit, "row_of", run, time_limit)
         return row, evidence
 
 
 def lost(run: Run, status: la.Status, message: str) -> Outcome:
-    """The row of a run whose process did not come back; late is no result, as of `judge`."""
+    """Return the row of a lost run; a late one has no result, as in `judge`."""
     late = status is la.Status.TIME_LIMIT and run.coupling != BRACKET
     verdict = NO_RESULT if late and not run.insist else FAIL
     row = Row(
@@ -84,14 +87,14 @@ def lost(run: Run, status: la.Status, message: str) -> Outcome:
 
 
 def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
-    """A run in a process, with what it printed; see `_attempt`."""
-    child.log.take()  # of what went before
+    """Return a run in a process, with its output; see `_attempt`."""
+    child.log.take()  # Discard earlier output.
     outcome = _attempt(child, run, time_limit, stop)
     return replace(outcome, log=child.log.take())
 
 
 def _attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
-    """A run in a process; of one that died it is tried again, unless all is to stop."""
+    """Return a run in a process; it is repeated if the process died, unless all are stopped."""
     for tries_left in reversed(range(_ATTEMPTS)):
         try:
             limit = min(time_limit + GRACE, LONGEST)
@@ -99,7 +102,7 @@ def _attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Eve
         except LostError as error:
             if error.status is la.Status.TIME_LIMIT or stop.is_set() or not tries_left:
                 return lost(run, error.status, str(error))
-        except Exception as error:  # on the way there or back: the other runs go on
+        except Exception as error:  # Errors in transfer; the other runs continue.
             return lost(run, la.Status.FAILED, f"{type(error).__name__}: {error}")
         else:
             return Outcome(run, row, evidence)
@@ -112,12 +115,12 @@ def run_in_processes(
     time_limit: float = TIME_LIMIT,
     on_start: OnStart = lambda _: None,
 ) -> Generator[Outcome, None, None]:
-    """Outcomes as they come, of `jobs` processes; `time_limit`: s, of a run.
+    """Yield outcomes as they come, of `jobs` processes; `time_limit`, s, is that of a run.
 
-    A run that takes longer is stopped; closing the iterator stops all that are at work.
-    `on_start` is called by threads of its own.
+    A run that takes longer is stopped; closing the iterator stops all running ones. `on_start` is
+    called from separate threads.
     """
-    release_processes()  # those that were asked what they are while the runs were planned
+    release_processes()  # These processes were started for the plan.
     stop = threading.Event()
     children = [RunProcess() for _ in range(max(min(jobs, len(runs)), 1))]
     idle: SimpleQueue[RunProcess] = SimpleQueue()

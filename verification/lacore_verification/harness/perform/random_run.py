@@ -18,10 +18,10 @@ _RIGHT = (la.Status.SOLVED, la.Status.LOCKED, la.Status.UNSAFE, la.Status.FREE)
 
 
 def run_random(run: Run, names: Mapping[str, Any], memory: Callable[[], float]) -> Outcome:
-    """Solve and judge a random problem.
+    """Solve and evaluate a random problem.
 
     Args:
-        run: to be done.
+        run: the run.
         names: columns that are known already.
         memory: peak memory of this process, MB.
     """

@@ -1,4 +1,4 @@
-"""Search for low and high load factors of a soil whose flow is not associated, and judge both."""
+"""Search for low and high load factors of soils with non-associated flow, with verdicts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
@@ -22,18 +22,18 @@ def run_range(
     band: Band,
     memory: Callable[[], float],
 ) -> Outcome:
-    """The row of a range, with what both of its ends leave of the laws, and the lower one's state.
+    """Return the row of a range, with residuals of both ends, and the state of the lower one.
 
     Args:
-        run: to be done.
+        run: the run.
         names: columns that are known already.
         discretisation: of its problem.
         reference, band: of its load factors.
         memory: peak memory of this process, MB.
 
     Raises:
-        InputError: flow is associated; a regularised backend; an option that there is not.
-        CapabilityError: the backend cannot take it.
+        InputError: flow is associated, the backend is regularised, or an option does not exist.
+        CapabilityError: the backend does not support it.
     """
     found = la.soil_range(discretisation, run.backend, options=run.options)
     evidence, rigor = NO_EVIDENCE, ""
@@ -60,7 +60,7 @@ def run_range(
 
 
 def _evidence(found: la.LoadFactorRange, lowest: la.LimitState, highest: la.LimitState) -> Evidence:
-    """Of each residual the larger one of both ends; one record a search."""
+    """Return the larger one of each residual of both ends, with one record for each search."""
     assert lowest.certificate is not None
     assert highest.certificate is not None
     assert lowest.point is not None

@@ -1,4 +1,4 @@
-"""The part of a comparison that performs runs, in a process of its own."""
+"""The part of a comparison that executes runs, in a separate process."""
 
 import time
 from collections.abc import Callable
@@ -17,11 +17,15 @@ from lacore_verification.runs.outcome import Evidence
 from lacore_verification.runs.row import Row
 from lacore_verification.runs.run import FUZZ, Run
 
-_LEAST_PAUSE = 100.0  # of its own time, between two of these solves: they take at most 1 %
+# Relative to its own time, between two of these solves: they take at most 1 %.
+_LEAST_PAUSE = 100.0
 
 
 class Worker:
-    """In the process: one run after the other; neighbours of one problem share its assembly."""
+    """Worker process: it executes runs in turn.
+
+    Consecutive runs of one problem share its assembly.
+    """
 
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
@@ -32,7 +36,7 @@ class Worker:
     def open(self, backend: str) -> None:
         """Start the process of a backend, which imports and compiles it.
 
-        What goes wrong is for `row_of`.
+        Errors are reported by `row_of`.
         """
         with suppress(la.LacoreError):
             found = load_backend(backend)
@@ -41,11 +45,11 @@ class Worker:
         self._calibrated = self._calibration.seconds()
 
     def row_of(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
-        """Row and evidence of a run; `time_limit`: s, of each inner solve."""
+        """Return row and evidence of a run; `time_limit`, s, is that of each inner solve."""
         forget_peak_memory()
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
-        if run.skip:  # its backend may be one that hangs while it is loaded
+        if run.skip:  # Its backend may hang while it is loaded.
             skipped = outcome_of(run, self._assembled)
             return skipped.row, skipped.evidence
         outcome = outcome_of(run, self._assembled, time_limit, peak_memory, print_exception)
@@ -61,10 +65,10 @@ class Worker:
 
 
 def _note(backend: str) -> str:
-    """Why the process of a backend was replaced during a run; empty if it was not."""
+    """Return why the process of a backend was replaced during a run; empty if it was not."""
     try:
         found = load_backend(backend)
-    except la.CapabilityError:  # the row says so
+    except la.CapabilityError:  # The row reports it.
         return ""
     return found.process.take_note() if isinstance(found, IsolatedBackend) else ""
 
@@ -76,7 +80,7 @@ def _with_compile_time(row: Row) -> Row:
     """
     try:
         found = load_backend(row.backend)
-    except la.CapabilityError:  # the row says so
+    except la.CapabilityError:  # The row reports it.
         return row
     if not isinstance(found, IsolatedBackend):
         return row
@@ -84,7 +88,7 @@ def _with_compile_time(row: Row) -> Row:
 
 
 class Calibration:
-    """The solve, repeated now and then in one process; it is prepared when it is first needed."""
+    """The solve, repeated at intervals in one process; it is prepared when it is first needed."""
 
     def __init__(self) -> None:
         self._solve: Callable[[], object] | None = None
@@ -96,7 +100,7 @@ class Calibration:
             return nan
         if self._solve is None:
             self._solve = _prepared()
-            self._solve()  # the first one loads libraries and fills caches
+            self._solve()  # The first one loads libraries and fills caches.
         begin = time.perf_counter()
         self._solve()
         end = time.perf_counter()
@@ -105,7 +109,7 @@ class Calibration:
 
 
 def _prepared() -> Callable[[], object]:
-    """A footing on clay with a backend of lacore, in this process."""
+    """Return a footing on clay with a backend of lacore, in this process."""
     backend = own_backend(CALIBRATION)
     discretisation = la.discretise(la.examples.footing())
     program = dimensionless(discretisation.program, discretisation.natural).associated()

@@ -1,1 +1,1 @@
-"""Durable rows, where they come from, what they are believed by, and tables of them."""
+"""Durable rows, their provenance, their checks, and tables of them."""

@@ -1,4 +1,4 @@
-"""Logs of runs: what solvers print, next to the store, in a file for each run that has any."""
+"""Logs of runs: the output of solvers, next to the store, in a file for each run with output."""
 
 import re
 import shutil
@@ -12,7 +12,7 @@ from lacore_verification.runs.outcome import Outcome
 
 FOLDER = "logs"
 FILE = re.compile(rf"|{FOLDER}/[0-9a-f]+\.txt")
-"""What the column ``log`` of a row may be: a path relative to the folder of results, or empty."""
+"""Values of the column ``log`` of a row: a path relative to the folder of results, or empty."""
 
 
 def with_log(outcome: Outcome, folder: Path) -> Outcome:

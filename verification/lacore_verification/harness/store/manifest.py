@@ -1,7 +1,7 @@
-"""Files of a report: each is written completely or not at all, and the next report leaves none.
+"""Files of a report: each is written completely or not at all, and the next report removes them.
 
-A list names the files that a report has written. Its lines
-are those of ``sha256sum``: what somebody has changed since is theirs, and stays.
+A list names the files that a report has written. Its lines are those of ``sha256sum``: files that
+were changed since are kept.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,7 +14,7 @@ MANIFEST = "report.sha256"
 
 @contextmanager
 def whole_file(path: Path, folder: Path | None = None) -> Iterator[Path]:
-    """Give a path to write to; afterwards that file takes the place of `path`.
+    """Yield a path to write to; afterwards that file takes the place of `path`.
 
     Args:
         path: Of the file; what it held stays until all is written.
@@ -30,12 +30,12 @@ def whole_file(path: Path, folder: Path | None = None) -> Iterator[Path]:
 
 
 def replace_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files, and remove those that an earlier report wrote here and this one does not.
+    """Write files, and remove those of an earlier report that this one does not write.
 
-    A process that is killed meanwhile leaves each file either as it was or as it is to be.
+    A process that is killed meanwhile leaves each file either unchanged or complete.
 
     Args:
-        folder: made where it is not there.
+        folder: made if it does not exist.
         files: contents by path, relative to the folder, parts joined by ``/``.
 
     Raises:
@@ -45,7 +45,8 @@ def replace_files(folder: Path, files: Mapping[str, bytes]) -> None:
     listed = folder / MANIFEST
     earlier = _listed(listed)
     own = {(sha256(data).hexdigest(), file): None for file, data in files.items()}
-    _write(folder, MANIFEST, _lines(earlier | own))  # of a report that is killed here, either
+    # A report that is killed here leaves files of either report.
+    _write(folder, MANIFEST, _lines(earlier | own))
     for file, data in files.items():
         _write(folder, file, data)
     for digest, file in earlier:
@@ -66,7 +67,7 @@ def _lines(listed: Iterable[tuple[str, str]]) -> bytes:
 
 
 def _listed(file: Path) -> dict[tuple[str, str], None]:
-    """Digests and paths; what is no line of a manifest is passed over."""
+    """Return digests and paths; lines of another format are ignored."""
     if not file.is_file():
         return {}
     lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
@@ -75,9 +76,9 @@ def _listed(file: Path) -> dict[tuple[str, str], None]:
 
 
 def _remove(folder: Path, file: str, digest: str) -> None:
-    """Remove a file as it was written, nothing outside of the folder, and what it leaves empty."""
+    """Remove a file that is unchanged, never outside of the folder, and its folder if empty."""
     place = folder.resolve()
-    with suppress(OSError, ValueError):  # no file can have such a name, or it may not be touched
+    with suppress(OSError, ValueError):  # The name may be invalid, or the file protected.
         path = (folder / file).resolve(strict=True)
         if path.is_relative_to(place) and sha256(path.read_bytes()).hexdigest() == digest:
             path.unlink()

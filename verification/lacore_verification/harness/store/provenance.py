@@ -1,4 +1,4 @@
-"""Where a number comes from: versions, machine, git state, and a digest of the code."""
+"""Provenance of numbers: versions, machine, git state, and a digest of the code."""
 
 import hashlib
 import inspect
@@ -23,7 +23,7 @@ PACKAGES = (
     *("lacore", "numpy", "scipy", "scikit-fem", "pypardiso", "numba", "shapely", "pandas"),
     "matplotlib",
 )
-"""What all numbers are made with; what a backend computes with it says itself."""
+"""Packages behind all numbers; backends name further ones."""
 PROVENANCE = "provenance.json"
 """File next to the table of results."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -32,9 +32,9 @@ _LENGTH = 12
 
 
 def describe(backends: Iterable[str] = ()) -> dict[str, str]:
-    """Date, machine, Python, threads, versions of packages, git state and seed, as text.
+    """Return date, machine, Python, threads, versions of packages, git state and seed, as text.
 
-    `backends`: names of those at work, whose packages are named, too.
+    `backends` are the names of those in use, whose packages are included.
     """
     threads = [f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ]
     return {
@@ -51,9 +51,9 @@ def describe(backends: Iterable[str] = ()) -> dict[str, str]:
 
 @cache
 def code_version(*backends: str) -> str:
-    """Digest of the sources that make a number, and of the versions that they run with.
+    """Return the digest of the sources behind a number, and of the versions of its packages.
 
-    Those of `backends` are among them.
+    Those of `backends` are included.
     """
     digest = hashlib.sha256(platform.python_version().encode())
     for name, path in _sources():
@@ -64,7 +64,7 @@ def code_version(*backends: str) -> str:
 
 
 def _sources() -> Iterator[tuple[str, Path]]:
-    """Files with their places in the packages: many are called the same in different rooms."""
+    """Yield files with their places in the packages, as names of files are not unique."""
     for name in _SOURCES:
         for place in map(Path, import_module(name).__path__):
             for path in sorted(place.rglob("*.py")):
@@ -72,21 +72,21 @@ def _sources() -> Iterator[tuple[str, Path]]:
 
 
 def code_of(run: Run) -> str:
-    """Version of all the code behind a run: ours, its case's and its backend's."""
+    """Return the version of all the code behind a run: of lacore, its case and its backend."""
     parts = [code_version(*solvers_of(run)), _source_digest(run)]
     return hashlib.sha256(canonical(parts).encode()).hexdigest()[:_LENGTH]
 
 
 def solvers_of(run: Run) -> tuple[str, ...]:
-    """Backends that the row of a run depends on: random problems are compared with others."""
+    """Return the backends of the row of a run: random problems are compared with others."""
     return (run.backend, *la.backend_names()) if run.coupling == FUZZ else (run.backend,)
 
 
 def _packages(backends: Iterable[str]) -> tuple[str, ...]:
-    """What numbers of backends are made with, and of the one that proves what others claim."""
+    """Return the packages of backends, and of the backend that proves claims."""
     found = [*PACKAGES]
     for name in dict.fromkeys((PROVING_BACKEND, *backends)):
-        with suppress(la.CapabilityError):  # of a missing one the rows say so
+        with suppress(la.CapabilityError):  # The rows report a missing backend.
             found += load_backend(name).capabilities.packages
     return tuple(dict.fromkeys(found))
 
@@ -99,7 +99,7 @@ def _backend_version(name: str) -> str:
 
 
 def _source_digest(run: Run) -> str:
-    """Of the files that a case is written in."""
+    """Return the digest of the files of a case."""
     digest = hashlib.sha256()
     for part in (run.case.build, run.case.reference, run.case.band):
         with suppress(OSError, TypeError):
@@ -113,7 +113,7 @@ def _bytes_of(file: str) -> bytes:
 
 
 def _git_state() -> str:
-    """Commit of the checkout that the code is in, and whether it was changed since."""
+    """Return the commit of the checkout with the code, and whether it was changed since."""
     place = Path(la.__file__).parent.parent
     if not (place / ".git").exists():
         return "no git checkout"
@@ -130,7 +130,7 @@ def _git_state() -> str:
 
 
 def _version(name: str) -> str:
-    if name == "lacore":  # the name of the package, not of the distribution
+    if name == "lacore":  # This is the name of the package, not of the distribution.
         return __version__
     try:
         return version(name)

@@ -1,4 +1,4 @@
-"""Results as a table: typed, one row a finished run, and its exports."""
+"""Results as a typed table, one row for each finished run, and its exports."""
 
 from collections.abc import Iterable, Mapping
 from math import inf
@@ -23,13 +23,13 @@ RESULTS = "results.csv"
 
 
 def load_results(place: Path | str) -> pd.DataFrame:
-    """The finished runs of a store, the newest of each, in the order in which they ended.
+    """Return the finished runs of a store, the newest of each, in the order in which they ended.
 
     Columns: those of `lacore_verification.runs.row.Row` (lambda of T19 as ``lambda``);
     ``residual_*`` of the certificate; ``param_*`` of the case, ``size_*`` of the mesh,
     ``setting_*`` of the loop, ``option_*`` of the backend, as far as a run sets them; ``run``, its
-    key; ``session``, the number of its provenance; ``finished``, UTC. Missing numbers are NaN,
-    missing counts and all else that is missing NA.
+    key; ``session``, the number of its provenance; ``finished``, UTC. Missing numbers are NaN;
+    missing counts and other missing values are NA.
 
     Args:
         place: folder of a comparison, verification or sweep, or the file of its store.
@@ -41,12 +41,12 @@ def load_results(place: Path | str) -> pd.DataFrame:
 
 
 def load_outcomes(place: Path | str, known: Catalogue) -> tuple[list[Outcome], list[Entry]]:
-    """The finished runs of a store with their cases; and those of cases that nobody knows here.
+    """Return the finished runs of a store with their cases; and those of unknown cases.
 
-    The first are in the order of the catalogue, its variants and meshes, then by what was set.
+    The first are in the order of the catalogue, its variants and meshes, then by their settings.
 
     Raises:
-        InputError: as of `load_results`.
+        InputError: as `load_results`.
     """
     found, strange = [], []
     for entry in entries(file_of(Path(place))):
@@ -59,7 +59,10 @@ def load_outcomes(place: Path | str, known: Catalogue) -> tuple[list[Outcome], l
 
 
 def _place(run: Run, order: Mapping[str, int]) -> tuple[Any, ...]:
-    """Where a run stands among all; of names the order of the case, of numbers their size."""
+    """Return the sort key of a run.
+
+    Names have the order of the case, numbers that of their size.
+    """
     meshes = [*run.case.meshes]
     variants = [variant.name for variant in run.case.variants]
     own = variants.index(run.variant.name) if run.variant.name in variants else len(variants)
@@ -69,7 +72,7 @@ def _place(run: Run, order: Mapping[str, int]) -> tuple[Any, ...]:
 
 
 def _sortable(item: tuple[str, Any]) -> tuple[str, float, str]:
-    """A name and its value, so that any two can be compared."""
+    """Return a name and its value, so that any two can be compared."""
     name, value = item
     number = isinstance(value, int | float)
     return (name, float(value) if number else inf, "" if number else str(value))
@@ -103,7 +106,7 @@ def _equal(one: Variant, other: Variant) -> bool:
 
 
 def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
-    """Typed columns of records as they come from `Outcome.record` or a store."""
+    """Return typed columns of records from `Outcome.record` or a store."""
     rows = list(records)
     frame = pd.DataFrame(rows, columns=None if rows else list(TYPES)).astype(TYPES)
     if "finished" in frame:
@@ -113,12 +116,12 @@ def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def export(frame: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV, text as text to spreadsheets, or Parquet, by the ending of the path.
+    """Write a table as CSV, with text as text for spreadsheets, or as Parquet, by the suffix.
 
-    A process that is killed meanwhile leaves the file as it was before.
+    A process that is killed meanwhile leaves the file unchanged.
 
     Raises:
-        InputError: another ending, a package that is missing, or the file cannot be written.
+        InputError: another suffix, a missing package, or the file cannot be written.
     """
     kind = path.suffix.removeprefix(".")
     require_known("ending of the file", kind, FORMATS)

@@ -1,7 +1,7 @@
-"""Tables for spreadsheets: text stays text, whatever sign it begins with.
+"""Tables for spreadsheets: text stays text, whatever its first character.
 
 A cell ``=HYPERLINK(1)`` is a formula to a spreadsheet, and runs when the file is opened. Such text
-gets an apostrophe in front, which says "text" there; numbers stay numbers.
+gets a leading apostrophe, which marks it as text; numbers stay numbers.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ _SIGNS = ("+", "-")
 
 
 def is_formula(text: str) -> bool:
-    """Whether a spreadsheet takes text for a formula; of numbers with a sign it does not."""
+    """Return whether a spreadsheet would treat text as a formula; False for signed numbers."""
     if text.startswith(_FORMULA):
         return True
     if not text.startswith(_SIGNS) or len(text) == 1:
@@ -27,7 +27,7 @@ def is_formula(text: str) -> bool:
 
 
 def as_text(cell: Any) -> Any:
-    """A cell that no spreadsheet runs; all but text is as it was.
+    """Return a cell that no spreadsheet executes; only text is changed.
 
     Carriage returns become line feeds: writers of CSV quote only those, and a row would end there.
     """
@@ -38,19 +38,19 @@ def as_text(cell: Any) -> Any:
 
 
 def as_written(cell: Any) -> Any:
-    """The inverse of `as_text`, but for carriage returns."""
+    """Return the inverse of `as_text`, except for carriage returns."""
     if isinstance(cell, str) and cell.startswith(_MARK) and is_formula(cell.lstrip(_MARK)):
         return cell[len(_MARK) :]
     return cell
 
 
 def quoted(frame: pd.DataFrame) -> pd.DataFrame:
-    """A table whose texts, those of the heads included, are text to spreadsheets."""
+    """Return a table whose texts, including column names, are text to spreadsheets."""
     return _each(frame, as_text)
 
 
 def unquoted(frame: pd.DataFrame) -> pd.DataFrame:
-    """The inverse of `quoted`."""
+    """Return the inverse of `quoted`."""
     return _each(frame, as_written)
 
 

@@ -1,9 +1,9 @@
-"""The store: one durable row a finished run, the moment it ends (SQLite, one writer).
+"""The store: one durable row for each finished run, as soon as it ends (SQLite, one writer).
 
-Everything in it is text or numpy arrays: nothing that is read is run. Each row has a checksum and
-a seal, and what is read is checked field by field
-(`lacore_verification.harness.store.stored_rows`); the file has a schema version. A run is known by
-its `Run.key` and the version of the code that solved it; `load_results` gives the newest of each.
+All content is text or numpy arrays: nothing that is read is executed. Each row has a checksum and a
+seal, and each field is checked on reading (`lacore_verification.harness.store.stored_rows`); the
+file has a schema version. A run is identified by its `Run.key` and the version of the code that
+solved it; `load_results` gives the newest of each.
 """
 
 import hashlib
@@ -33,7 +33,7 @@ from lacore_verification.runs.run import Run, canonical
 
 NAME = "results.sqlite"
 SCHEMA = 2
-_APPLICATION = 0x6C61636F  # "laco", in the head of the file
+_APPLICATION = 0x6C61636F  # "laco", in the header of the file.
 _TABLES = """
 CREATE TABLE sessions (id INTEGER PRIMARY KEY, provenance TEXT NOT NULL) STRICT;
 CREATE TABLE runs (
@@ -43,26 +43,26 @@ CREATE TABLE runs (
     checksum TEXT NOT NULL, PRIMARY KEY (run, code)
 ) STRICT;
 """
-_UNSEALED = 1  # the schema whose rows have no seal
+_UNSEALED = 1  # The rows of this schema have no seal.
 _SEALED = "ALTER TABLE runs ADD COLUMN seal TEXT NOT NULL DEFAULT ''"
 _COLUMNS = (*TEXTS, "arrays", "seal", "checksum")
 _OF_THE_DISK = (
     *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN),
     *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED, sqlite3.SQLITE_PERM, sqlite3.SQLITE_NOMEM),
 )
-"""Errors that say nothing against the file itself."""
-_PATIENCE = 60.0  # s: a reader of a large store may be at work while a run ends
+"""Errors that do not concern the file itself."""
+_PATIENCE = 60.0  # s: a reader of a large store may be active while a run ends.
 
 
 class Store:
     """A store open for writing; a context manager.
 
     Args:
-        path: of the file; it and its folder are made where they are missing.
-        provenance: of what is going to be appended: versions, machine, date, ...
+        path: of the file; it and its folder are made if they do not exist.
+        provenance: of the rows to be appended: versions, machine, date, ...
 
     Raises:
-        InputError: the file cannot be written, is no store, is damaged, of a newer lacore, or
+        InputError: the file cannot be written, is no store, is damaged, is of a newer lacore, or
             another process writes it.
     """
 
@@ -85,12 +85,12 @@ class Store:
             undone.pop_all()
 
     def append(self, outcome: Outcome, code: str) -> None:
-        """Keep an outcome: it is on the disk when this returns.
+        """Store an outcome: it is on the disk when this returns.
 
-        One of the same run and code takes the place of the one before.
+        An outcome of the same run and code replaces the previous one.
 
         Raises:
-            InputError: it cannot be written; what was written before stays.
+            InputError: it cannot be written; earlier rows stay.
         """
         evidence = outcome.evidence
         texts = (
@@ -109,7 +109,10 @@ class Store:
             )
 
     def finished(self, runs: Iterable[tuple[Run, str]]) -> dict[str, Outcome]:
-        """Outcomes that are stored already, by key, of runs and their codes; also failures."""
+        """Return outcomes that are stored already, by key, for runs and their codes.
+
+        Also failures.
+        """
         found = {}
         for run, code in runs:
             query = f"SELECT {', '.join(_COLUMNS)} FROM runs WHERE run = ? AND code = ?"
@@ -138,7 +141,7 @@ class Store:
 
 @dataclass(frozen=True)
 class Entry:
-    """A row of the store, as it was written.
+    """A stored row.
 
     Attributes:
         run, code, session, finished: key of the run, version of the code, number of the session,
@@ -157,11 +160,11 @@ class Entry:
     evidence: Evidence
 
     def outcome(self, run: Run) -> Outcome:
-        """As the outcome of a run."""
+        """Return the entry as an outcome of a run."""
         return Outcome(run, self.row, self.evidence)
 
     def record(self) -> dict[str, Any]:
-        """As columns of `lacore_verification.load_results`."""
+        """Return the columns of `lacore_verification.load_results`."""
         names = ("run", "session", "finished")
         return columns(self.row, self.evidence.residuals, self.identity) | {
             name: getattr(self, name) for name in names
@@ -169,7 +172,7 @@ class Entry:
 
 
 def entries(path: Path) -> list[Entry]:
-    """The newest row of each run in a store, in the order in which they were finished.
+    """Return the newest row of each run in a store, in the order in which they were finished.
 
     Raises:
         InputError: there is no store, it is damaged, or of a newer lacore.
@@ -183,10 +186,10 @@ def entries(path: Path) -> list[Entry]:
 
 
 def sessions(path: Path) -> dict[int, dict[str, str]]:
-    """Provenance of the sessions that wrote a store, by number.
+    """Return the provenance of the sessions that wrote a store, by number.
 
     Raises:
-        InputError: as of `entries`.
+        InputError: as `entries`.
     """
     with closing(_connected(path, create=False)) as database, _said(path):
         rows = database.execute("SELECT id, provenance FROM sessions").fetchall()
@@ -207,7 +210,7 @@ def _provenance(number: int, text: object, path: Path) -> dict[str, str]:
 
 def _connected(path: Path, create: bool) -> sqlite3.Connection:
     with _said(path):
-        # Readers may write, too: what a killed writer has left half done they undo.
+        # Readers may write, too: they undo incomplete changes of a killed writer.
         mode = "rwc" if create else "rw"
         uri = f"{path.resolve().as_uri()}?mode={mode}"
         database = sqlite3.connect(uri, uri=True, timeout=_PATIENCE)
@@ -233,7 +236,7 @@ def _connected(path: Path, create: bool) -> sqlite3.Connection:
 
 
 def _check(database: sqlite3.Connection, path: Path) -> None:
-    """Refuse what is no store, damaged, or newer than this code; nothing is written before."""
+    """Raise an error for another, damaged or newer file, before anything is written."""
     (application,) = database.execute("PRAGMA application_id").fetchone()
     schema = _schema(database)
     if application != _APPLICATION:
@@ -246,7 +249,7 @@ def _check(database: sqlite3.Connection, path: Path) -> None:
         )
     (pages,) = database.execute("PRAGMA page_count").fetchone()
     (size,) = database.execute("PRAGMA page_size").fetchone()
-    if path.stat().st_size < pages * size:  # a last page that is cut may pass what follows
+    if path.stat().st_size < pages * size:  # A truncated last page may pass the next check.
         raise _damaged(path, f"{path.stat().st_size} bytes of {pages * size}")
     (verdict,) = database.execute("PRAGMA integrity_check(1)").fetchone()
     if verdict != "ok":
@@ -264,7 +267,7 @@ def _schema(database: sqlite3.Connection) -> int:
 
 
 def _columns(database: sqlite3.Connection) -> str:
-    """Those of a row; of one that was written before there were seals, without."""
+    """Return the columns of a row; those from before seals have an empty one."""
     unsealed = _schema(database) == _UNSEALED
     return ", ".join("''" if unsealed and name == "seal" else name for name in _COLUMNS)
 
@@ -277,7 +280,7 @@ def _damaged(path: Path, how: str) -> InputError:
 
 @contextmanager
 def _said(path: Path) -> Iterator[None]:
-    """What goes wrong with the file, as a sentence with its fix."""
+    """Convert errors of the file to messages with a fix."""
     try:
         yield
     except Timeout as error:
@@ -288,14 +291,14 @@ def _said(path: Path) -> Iterator[None]:
             "wait, or name another folder",
         ) from error
     except sqlite3.DatabaseError as error:
-        # The lower byte is the kind. Of text that is none there is no code.
+        # The lower byte is the kind of error. Invalid text has no code.
         if getattr(error, "sqlite_errorcode", 0) & 0xFF not in _OF_THE_DISK:
             raise _damaged(path, str(error)) from error
         raise InputError(
             "store", str(path), f"cannot be used ({error})",
             "free space or name another folder; every finished run is kept",
         ) from error  # fmt: skip
-    except UnicodeDecodeError as error:  # sqlite3 cannot even say what is wrong
+    except UnicodeDecodeError as error:  # sqlite3 cannot decode its own message.
         raise _damaged(path, "text that is none") from error
     except OSError as error:
         raise InputError(
@@ -318,10 +321,10 @@ def _check_sum(record: Sequence[Any], path: Path) -> None:
 
 
 def _entry(record: Sequence[Any], path: Path) -> Entry:
-    """A row that is as it was written.
+    """Return a row that is unchanged.
 
     Raises:
-        InputError: it is not.
+        InputError: it was changed.
     """
     _check_sum(record, path)
     found = dict(zip(_COLUMNS, record, strict=True))
@@ -342,5 +345,5 @@ def _entry(record: Sequence[Any], path: Path) -> Entry:
 
 
 def file_of(place: Path) -> Path:
-    """The store in a folder; or the file itself."""
+    """Return the store in a folder; or the file itself."""
     return place if place.suffix == Path(NAME).suffix else place / NAME

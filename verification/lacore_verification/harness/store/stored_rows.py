@@ -1,9 +1,9 @@
-"""What a row of the store must be before it is believed: field by field, and all fields together.
+"""Checks of a row of the store: field by field, and all fields together.
 
-A checksum tells whether a row was changed by accident. Whoever changes one on purpose can make a
-checksum, too: so nothing is read that our code could not have written, and a digest of each text,
-the seal, goes with the checksum. Whether a state proves its row only its residuals tell, computed
-afresh: `lacore_verification.harness.verify`.
+A checksum detects accidental changes of a row. A deliberate change can have a checksum, too:
+therefore nothing is read that lacore could not have written, and a digest of each text, the seal,
+accompanies the checksum. Only recomputed residuals show whether a state proves its row:
+`lacore_verification.harness.verify`.
 """
 
 import hashlib
@@ -48,7 +48,7 @@ _SIZES = (
     *("build_time", "solve_time", "peak_memory_mb", "compile_time", "solver_time"),
     *("calibration_before", "calibration_after"),
 )
-_MOST = 2.0**53  # whole numbers above it are none in double precision
+_MOST = 2.0**53  # Larger integers are not exact in double precision.
 _YEARS = (2000, 2200)
 _IDENTITY: Mapping[str, type] = {
     **dict.fromkeys(("case", "variant", "mesh", "backend"), str),
@@ -56,18 +56,18 @@ _IDENTITY: Mapping[str, type] = {
 }
 _OF_LOOPS = {"inner_status", "inner_iterations", "solve_time", "peak_memory"}
 _OF_RANGES = {"status", "load_factor", "gap", "solves"}
-_SINCE_0_4 = {"overlap"}  # of paths; results of earlier versions can be read without it
+_SINCE_0_4 = {"overlap"}  # Of paths; results of earlier versions can be read without it.
 
 
 class WrongFieldError(ValueError):
-    """A field that nothing of lacore has written; the message names it."""
+    """A field that lacore has not written; the message names it."""
 
     def __init__(self, field: str, why: str) -> None:
         super().__init__(f"field {field!r} {why}")
 
 
 def seal_of(texts: Sequence[Any]) -> str:
-    """Digest of each of the `TEXTS` of a row, as text."""
+    """Return the digest of each of the `TEXTS` of a row, as text."""
     return json.dumps(
         {name: _digest(name, text) for name, text in zip(TEXTS, texts, strict=True)},
         sort_keys=True,
@@ -79,10 +79,10 @@ def _digest(name: str, text: Any) -> str:
 
 
 def read_json(field: str, text: object, kind: type) -> Any:
-    """Text as the JSON that it must be.
+    """Return text as JSON of a given type.
 
     Raises:
-        WrongFieldError: it is none, or of something else.
+        WrongFieldError: it is no JSON, or of another type.
     """
     if not isinstance(text, str):
         raise WrongFieldError(field, "is no text")
@@ -98,10 +98,10 @@ def read_json(field: str, text: object, kind: type) -> Any:
 def check_texts(
     record: Mapping[str, Any],
 ) -> tuple[dict[str, Any], Row, dict[str, float], list[Any]]:
-    """Identity, row, residuals and history of a record of the store by column.
+    """Return identity, row, residuals and history of a record of the store by column.
 
     Raises:
-        WrongFieldError: one of them is not as lacore writes it, or they contradict each other.
+        WrongFieldError: a field has another format than that of lacore, or fields are inconsistent.
     """
     _check_head(record)
     identity = _identity(record["identity"], record["run"])
@@ -156,7 +156,7 @@ def _identity(text: object, key: str) -> dict[str, Any]:
 
 
 def _check_plain(field: str, value: object) -> None:
-    """What keyword arguments of a run may be: plain values, and lists of them."""
+    """Raise an error unless keyword arguments of a run are plain values, or lists of them."""
     for own in value if isinstance(value, list) else [value]:
         if isinstance(own, str | bool | None):
             continue
@@ -169,7 +169,7 @@ def _row(text: object) -> Row:
     kinds = {entry.name: entry.type for entry in fields(Row)}
     needed = {entry.name for entry in fields(Row) if entry.default is MISSING}
     odd = sorted((set(found) - set(kinds)) | (needed - set(found)))
-    if odd:  # columns that came later have defaults
+    if odd:  # Later columns have defaults.
         raise WrongFieldError("row", f"has not the columns of a row: {', '.join(odd)[:200]}")
     for name, value in found.items():
         kind = kinds[name]
@@ -236,14 +236,14 @@ def _check_together(
     history: Sequence[Mapping[str, Any]],
     arrays: bytes,
 ) -> None:
-    """What one field says of another."""
+    """Raise an error for inconsistent fields."""
     for name in ("case", "variant", "backend", "mesh"):
         if getattr(row, name) != identity[name]:
             raise WrongFieldError(f"row.{name}", "is not that of its identity")
     if row.coupling != (identity["coupling"] or row.coupling):
         raise WrongFieldError("row.coupling", "is not that of its identity")
     if row.coupling == BRACKET:
-        from lacore.bounds.bracket.bracket import Step  # not imported for other runs
+        from lacore.bounds.bracket.bracket import Step  # Not imported for other runs.
 
         _check_history(history, {entry.name for entry in fields(Step)})
         _check_bracket(row, history)
@@ -251,14 +251,14 @@ def _check_together(
         _check_history(history, _OF_RANGES)
         _check_range(row, history)
     elif row.ending:
-        from lacore.paths.path import PathStep  # not imported for other runs
+        from lacore.paths.path import PathStep  # Not imported for other runs.
 
         _check_history(history, {*(entry.name for entry in fields(PathStep)), "exact"} - _SINCE_0_4)
         _check_path(row, history)
     elif history:
         _check_history(history, _OF_LOOPS)
         _check_loop(row, residuals, history)
-    if row.status == _SOLVED and row.coupling != FUZZ:  # its numbers make it anew
+    if row.status == _SOLVED and row.coupling != FUZZ:  # Its numbers define it again.
         _check_solved(row, residuals, arrays)
 
 
@@ -298,7 +298,7 @@ def _check_bracket(row: Row, history: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _check_stopped(row: Row) -> None:
-    """Of a run that was refused, crashed or stopped there is no history, and no number of it."""
+    """Raise an error unless a refused, crashed or stopped run has no history and no numbers."""
     if row.status == _SOLVED:
         raise WrongFieldError("history", f"is missing, and the status is {_SOLVED!r}")
     if not isnan(row.outer_iterations):

@@ -141,7 +141,7 @@ def _read_table(file: Path) -> pd.DataFrame:
     texts = [name for name, kind in TYPES.items() if kind == "string"]
     try:
         found = unquoted(pd.read_csv(file, dtype=dict.fromkeys(texts, "str")))
-    except (OSError, ValueError) as error:  # text that is not UTF-8, and errors of the parser
+    except (OSError, ValueError) as error:  # Text that is not UTF-8, and errors of the parser.
         raise InputError(FIELD, str(file), "is not a table in CSV format", _FIX) from error
     missing = [name for name in _NEEDED if name not in found]
     if missing:
@@ -188,4 +188,4 @@ def _names(places: Sequence[Path], files: Sequence[Path]) -> list[str]:
         names = ["/".join(own[-count:]) for own in parts]
         if len(set(names)) == len(names):
             return names
-    return list(map(str, places))  # the store and the table of one folder
+    return list(map(str, places))  # The store and the table of one folder.

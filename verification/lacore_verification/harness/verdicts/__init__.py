@@ -1,1 +1,1 @@
-"""Pass or FAIL, and why: of limit states, brackets and paths; and how many of each."""
+"""Verdicts, with reasons: of limit states, brackets and paths; and their counts."""

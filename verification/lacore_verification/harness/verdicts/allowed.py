@@ -1,4 +1,4 @@
-"""What the reference and the band of a case allow, and how far from the reference a value is."""
+"""Values that the reference and the band of a case allow, and distances from the reference."""
 
 from dataclasses import dataclass
 from math import inf, isfinite, nan
@@ -9,13 +9,13 @@ from lacore_verification.case import Band, Reference
 
 @dataclass(frozen=True)
 class Allowed:
-    """Values between which a result must lie, ends included."""
+    """Interval that must contain a result, ends included."""
 
     low: float = -inf
     high: float = inf
 
     def holds(self, value: float) -> bool:
-        """Whether a value lies inside; never NaN."""
+        """Return whether a value is inside; False for NaN."""
         return self.low <= value <= self.high
 
     def __str__(self) -> str:
@@ -23,7 +23,7 @@ class Allowed:
 
 
 def allowed_values(reference: Reference, band: Band) -> Allowed:
-    """Load factors that are right: those of a reference, widened by the band."""
+    """Return load factors that are right: those of a reference, widened by the band."""
     low, high = reference.low, reference.high
     if not reference.complete:
         low, high = -inf, inf if reference.associated is None else reference.associated
@@ -31,30 +31,30 @@ def allowed_values(reference: Reference, band: Band) -> Allowed:
 
 
 def upper_values(reference: Reference, band: Band) -> Allowed:
-    """Values of what bounds every Coulomb load factor from above (T14)."""
+    """Return right values of upper bounds of every Coulomb load factor (T14)."""
     top = reference.low if reference.up_to is None else reference.up_to
     return Allowed(low=top - band.below * band.size(top))
 
 
 def lower_values(reference: Reference, band: Band) -> Allowed:
-    """Values of what bounds every Coulomb load factor from below (T14)."""
+    """Return right values of lower bounds of every Coulomb load factor (T14)."""
     bottom = reference.value + reference.half_width
     return Allowed(high=bottom + band.above * band.size(bottom))
 
 
 def cannot_judge(reference: Reference, band: Band) -> str:
-    """Why a reference and a band would let anything through, or nothing; empty if they do not."""
+    """Return why a reference and a band would accept anything, or nothing; empty otherwise."""
     return reference.wrong or band.wrong
 
 
 def about(reference: Reference) -> dict[str, Any]:
-    """Columns of a reference."""
+    """Return columns of a reference."""
     up_to = nan if reference.up_to is None else reference.up_to
     return {"reference": reference.value, "reference_to": up_to, "expected": reference.text}
 
 
 def distance(value: float, reference: Reference, band: Band) -> float:
-    """Relative distance from a reference; NaN without a value, or of another Coulomb state.
+    """Return the relative distance from a reference; NaN without a value, or for another state.
 
     A load factor above the associated one belongs to no Coulomb state (T14). Its distance is that
     from the associated one.

@@ -1,4 +1,4 @@
-"""Verdicts on brackets: they must contain the reference, and be as narrow as the case says."""
+"""Verdicts on brackets: they must contain the reference, and be as narrow as the case requires."""
 
 from dataclasses import replace
 from math import inf, isfinite
@@ -12,10 +12,10 @@ from lacore_verification.runs.row import STRICT, Row
 
 
 def between(reference: Reference, coulomb: bool) -> Reference:
-    """What a bracket must contain.
+    """Return the reference that a bracket must contain.
 
-    Where Coulomb friction was made associated its load factor, or if that is not known anything
-    that is no smaller than the Coulomb ones (T14).
+    If Coulomb friction was made associated this is its load factor, or if that is not known
+    anything that is no smaller than the Coulomb ones (T14).
     """
     if not coulomb:
         return reference
@@ -33,12 +33,12 @@ def between(reference: Reference, coulomb: bool) -> Reference:
 def judge_bracket(
     row: Row, reference: Reference, stated: Bracketing, band: Band
 ) -> tuple[str, str]:
-    """Verdict on a bracket, and why.
+    """Return the verdict on a bracket, with its reason.
 
     Args:
         row: its bounds, width, rigor and message.
         reference: of the problem that was bracketed, see `between`.
-        stated: target, and what straight edges do.
+        stated: target, and the effect of straight edges.
         band: gives the size of the dead loads.
     """
     if why := cannot_judge(reference, band):

@@ -1,6 +1,7 @@
-"""Verdicts on limit states: what a load factor, or a status without one, must be."""
+"""Verdicts on limit states: required load factors or statuses."""
 
-from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+# Annotations are not evaluated: names of lacore in them load nothing.
+from __future__ import annotations
 
 from collections.abc import Mapping
 from math import inf, isfinite, nan
@@ -29,24 +30,24 @@ from lacore_verification.harness.verdicts.words import (
 if TYPE_CHECKING:
     from lacore.program.regularization import RegularisedValues
 
-STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
+STRONG = 0.05  # Relative to the value: above it the regularisation error hides a wrong result.
 REGULARISED = ("equilibrium", "yield_violation", "normalisation")
-"""What a regularised state is judged by: penalties let through the rest (T19)."""
+"""Residuals of a regularised state that count; penalties make the others nonzero (T19)."""
 REFUTED = 1e-3
-"""Of these: who called an end with more than this solved was wrong, not short of digits."""
+"""Larger ones of these residuals make a solved status wrong, not merely inaccurate."""
 _VALUES = {"upper": upper_values, "lower": lower_values}
 BOUNDS = {name: _VALUES[kind.bounds] for name, kind in COUPLINGS.items() if kind.bounds}
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
 MODELS = {name: kind.model for name, kind in COUPLINGS.items() if kind.model}
 """Names of the models that couplings solve in place of that of the case."""
 FINDS_NONE = (*MODELS, BRACKET, RANGE)
-"""What stands for a coupling in rows that have no Coulomb load factor."""
+"""Values of the column of couplings in rows that have no Coulomb load factor."""
 _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
-"""What statuses say of the load factor: they are claims, right or wrong, like a number."""
+"""Load factors implied by statuses, which are right or wrong, like a number."""
 
 
 class Judged(Protocol):
-    """What a verdict is on: a state, or what a row says of one; as of `la.LimitState`."""
+    """Data of a verdict: a state, or the columns of a row; as in `la.LimitState`."""
 
     @property
     def status(self) -> la.Status: ...  # noqa: D102
@@ -63,15 +64,15 @@ class Judged(Protocol):
 def judge(
     state: Judged, reference: Reference, band: Band, insist: bool = True, refuted: str = ""
 ) -> tuple[str, str]:
-    """Verdict on a result, and why.
+    """Return the verdict on a result, with its reason.
 
     Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
-    lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
-    the Coulomb load factors must bound the reference; where they are not within its band, and their
-    own reference is not known, they are bounds only. Unless we `insist` on a result, a solve that
-    claims nothing, or nothing that can be judged, is none; one that claims what residuals have
-    `refuted` (see `refutation`) is wrong. Without a reference nothing passes.
+    lowered by C; and C must be small, or the verdict would be meaningless. Couplings that bound the
+    Coulomb load factors must bound the reference; if they are not within its band, and their own
+    reference is not known, they are bounds only. Unless we `insist` on a result, a solve that
+    claims nothing, or nothing that can be checked, has none; one whose claim is refuted by
+    residuals (`refuted`, see `refutation`) is wrong. Without a reference nothing passes.
     """
     if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
         verdict = FAIL if refuted or insist else NO_RESULT
@@ -108,11 +109,11 @@ def _judge_load(state: Judged, reference: Reference, band: Band, insist: bool) -
 
 
 def refutation(claimed: bool, residuals: Mapping[str, float]) -> str:
-    """How the claim of a solver to have solved its last problem is refuted; empty if it is not.
+    """Return how the residuals refute the claim of a solver; empty if they do not.
 
     Args:
-        claimed: whether there is one.
-        residuals: of the certificate, by name; empty where nothing was computed.
+        claimed: whether it reported its last problem as solved.
+        residuals: of the certificate, by name; empty if nothing was computed.
     """
     for name in REGULARISED if claimed and residuals else ():
         size = residuals.get(name, nan)
@@ -122,7 +123,7 @@ def refutation(claimed: bool, residuals: Mapping[str, float]) -> str:
 
 
 def _too_strong(state: Judged, band: Band) -> str:
-    """Why a regularised value is worth no verdict; empty where it is worth one."""
+    """Return why a regularised value permits no verdict; empty if it does."""
     assert state.regularised is not None
     energy, value = state.regularised.energy, _CLAIMED.get(state.status, state.load_factor)
     if max(energy, 0.0) <= STRONG * band.size(value):

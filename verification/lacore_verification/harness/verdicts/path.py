@@ -16,7 +16,7 @@ from lacore_verification.runs.row import Row
 
 
 def exact_loads(stated: Following, travel: Floats) -> Floats:
-    """Exact loads at travels; NaN where they are not known."""
+    """Return exact loads at travels; NaN where they are not known."""
     if stated.exact is None:
         return np.full(travel.shape, nan)
     return np.array([stated.exact(float(at)) for at in travel])
@@ -25,11 +25,11 @@ def exact_loads(stated: Following, travel: Floats) -> Floats:
 def judge_path(
     row: Row, stated: Following, reference: Reference, band: Band, insist: bool = True
 ) -> tuple[str, str]:
-    """Verdict on a path, and why: its end, its last load, its worst load, its volume.
+    """Return the verdict on a path, with its reason: its end, its last and worst load, its volume.
 
-    Loads of regularised backends may be off by their energy C (T19) on top, to either side: their
-    bodies have strained a little more or less on the way. They keep volumes to their penalties.
-    What is asked for and is NaN is wrong. Without a reference a path that is right passes nothing.
+    Loads of regularised backends may also differ by their energy C (T19), to either side: their
+    bodies have strained slightly more or less. They keep volumes within their penalties. Required
+    values that are NaN are wrong. Without a reference a path that is right passes nothing.
     """
     if why := cannot_judge(reference, band):
         return FAIL, why
@@ -78,7 +78,10 @@ def _checks(
 
 
 def largest_error(loads: Floats, exact: Floats) -> float:
-    """Relative, over the exact loads that are known; NaN without any, or where a load is none."""
+    """Return the largest relative error over known exact loads.
+
+    NaN without any, or for a NaN load.
+    """
     known = ~np.isnan(exact)
     loads, exact = loads[known], exact[known]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -87,5 +90,5 @@ def largest_error(loads: Floats, exact: Floats) -> float:
 
 
 def worst(values: Floats) -> float:
-    """The largest; NaN where one is, or there is none."""
+    """Return the largest value; NaN if one is, or there is none."""
     return float(values.max()) if values.size else nan

@@ -1,4 +1,4 @@
-"""Verdicts on ranges: both ends must be right, and between what is proven of the mesh."""
+"""Verdicts on ranges: both ends must be right, and within the proven bounds of the mesh."""
 
 from math import isfinite
 
@@ -9,11 +9,11 @@ from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, PASS
 from lacore_verification.runs.row import Row
 
 _SOLVED = la.Status.SOLVED.label
-_BEYOND = 1e-6  # of the larger load factor: the round-off of two solves
+_BEYOND = 1e-6  # Relative to the larger load factor: the round-off of two solves.
 
 
 def judge_range(row: Row, reference: Reference, band: Band) -> tuple[str, str]:
-    """Verdict on the lowest and the highest load factor that were found, and why.
+    """Return the verdict on the lowest and the highest load factor found, with its reason.
 
     Args:
         row: both, the proven bounds of all load factors of its mesh, status, gap and message.

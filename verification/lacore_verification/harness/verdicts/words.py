@@ -1,4 +1,4 @@
-"""The words of verdicts, as rows and findings have them, and how many runs have each."""
+"""Texts of verdicts in rows and findings, and counts of runs by verdict."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,9 @@ from lacore_verification.runs.outcome import Outcome
 
 PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
 NO_REFERENCE = "no reference"
-"""Of what is proven, and cannot be compared with anything: neither right nor wrong."""
+"""Verdict on a proven result without a reference: neither right nor wrong."""
 BOUND_ONLY = "bound only"
-"""Of another model than that of the case: it is on the right side of the reference.
+""" Verdict on a result of another model than that of the case, on the right side of the reference.
 
 Its own load factor is not known, so that it may be far from the reference: a comparison of models,
 not a check of a number.
@@ -18,7 +18,7 @@ not a check of a number.
 
 @dataclass(frozen=True)
 class Tally:
-    """How many runs ended how."""
+    """Counts of runs by verdict."""
 
     passed: int
     failed: int

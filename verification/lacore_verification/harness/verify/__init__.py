@@ -1,7 +1,7 @@
-"""Questions that every case must answer, the same ones for `lacore verify` and for pytest.
+"""Checks that apply to every case, the same for `lacore verify` and for pytest.
 
-`ask` makes the questions, each with the runs that it needs; `finish` makes of their outcomes what
-answers are found in; `answer` gives the `Finding` of one question.
+`ask` makes the questions, each with the runs that it needs; `finish` collects the data from their
+outcomes; `answer` gives the `Finding` of one question.
 """
 
 from lacore_verification.harness.verify.answers import Finished, answer, finish

@@ -1,4 +1,4 @@
-"""From the outcomes of runs to answers."""
+"""Findings from the outcomes of runs."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -30,24 +30,23 @@ SOLVED = la.Status.SOLVED.label
 
 @dataclass(frozen=True)
 class Finished:
-    """What answers are found in, by `Run.key`.
+    """Data of findings, by `Run.key`.
 
     Attributes:
         outcomes: of all runs.
-        rechecked: what the stored states of runs prove whose residuals are asked for, or why there
-            is no proof.
+        rechecked: proofs from the stored states of runs, or why there is no proof.
     """
 
     outcomes: Mapping[str, Outcome]
     rechecked: Mapping[str, Rechecked] = field(default_factory=dict)
 
     def of(self, runs: Iterable[Run]) -> list[Outcome]:
-        """Outcomes of runs, to be judged by the cases of these runs."""
+        """Return outcomes of runs, with the cases of these runs."""
         return [replace(self.outcomes[run.key], run=run) for run in runs]
 
 
 def finish(questions: Sequence[Question], outcomes: Iterable[Outcome]) -> Finished:
-    """Compute residuals afresh where they are asked for; each problem is discretised once."""
+    """Recompute residuals where required; each problem is discretised once."""
     found = {outcome.run.key: outcome for outcome in outcomes}
     problems: dict[tuple[object, ...], list[Outcome]] = {}
     for question in questions:
@@ -62,7 +61,7 @@ def finish(questions: Sequence[Question], outcomes: Iterable[Outcome]) -> Finish
 
 
 def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
-    """What runs of one problem have proven; of paths each has one of its own at its last step."""
+    """Return proofs of runs of one problem; each path has its own at its last step."""
     discretisation = cache(lambda: la.discretise(neighbours[0].run.problem()))
     found: dict[str, Rechecked] = {}
     for own in neighbours:
@@ -76,13 +75,13 @@ def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
                 if own.run.case.path is None
                 else recheck_step(own.run, own.row, own.evidence)
             )
-        except Exception as error:  # whatever others wrote, and whatever bytes are in the store
+        except Exception as error:  # Cases of users and stored bytes may raise any error.
             found[own.run.key] = f"{type(error).__name__}: {error}"
     return found
 
 
 def answer(question: Question, finished: Finished) -> Finding:
-    """The finding on a question; its verdict is ``skipped`` where nothing could be run."""
+    """Return the finding on a question; its verdict is ``skipped`` if nothing could be run."""
     outcomes = finished.of(question.runs)
     run = [outcome for outcome in outcomes if outcome.row.verdict != SKIPPED]
     given = (

@@ -1,4 +1,4 @@
-"""Checks of brackets (T26) and of ranges (T54, T59): what they contain, and what gaps add up to."""
+"""Checks of brackets (T26) and of ranges (T54, T59): their reference, and the sum of the gap."""
 
 from collections.abc import Sequence
 from math import inf, isclose, isfinite, nan
@@ -14,19 +14,19 @@ from lacore_verification.harness.verify.finding import CheckResult
 from lacore_verification.runs.outcome import Outcome
 
 DEFECT = 1e-5
-"""By which the sum of shares may differ from the gap, relative to it."""
+"""Allowed difference between the sum of shares and the gap, relative to it."""
 NEGATIVE = 1e-9
-"""By which a share may be below 0, relative to `Shares.scale`: by the round-off of two solves."""
-_SAME = 1e-12  # of a load factor that is stored twice
-_LEAST = 1e-6  # of `Shares.scale`: smaller gaps are as round-off leaves them, 1e-11 of the load
+"""Allowed negative share, relative to `Shares.scale`, from the round-off of two solves."""
+_SAME = 1e-12  # Relative to a load factor that is stored twice.
+_LEAST = 1e-6  # Relative to `Shares.scale`: smaller gaps are round-off, 1e-11 of the load.
 _SOLVED = la.Status.SOLVED.label
 _ADAPTED = {"upper", "lower"}
 
 
 def bracket(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
-    """Whether proven load factors enclose the reference, and are as close as the case says.
+    """Return whether proven load factors enclose the reference, and are close enough for the case.
 
-    Judged afresh: the row of a store may be older than the reference.
+    The verdict is recomputed: the row of a store may be older than the reference.
 
     Args:
         outcomes: one.
@@ -45,9 +45,9 @@ def bracket(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
 
 
 def gap(outcomes: Sequence[Outcome]) -> CheckResult:
-    """Whether ``upper - lower`` is the sum of shares, none below 0, on every mesh.
+    """Return whether ``upper - lower`` is the sum of shares, none below 0, on every mesh.
 
-    Summed afresh from what is stored.
+    The sum is recomputed from stored values.
 
     Args:
         outcomes: one.
@@ -83,7 +83,7 @@ def gap(outcomes: Sequence[Outcome]) -> CheckResult:
 
 
 def _defect(one: Shares) -> float:
-    """What is missing from the sum, per gap; NaN and no scale stay."""
+    """Return the difference from the sum, per gap; NaN for NaN and without a scale."""
     gap = one.upper - one.lower
     size = max(abs(gap), _LEAST * one.scale)
     return abs(one.total - gap) / size if 0 < size < inf else nan
@@ -94,9 +94,10 @@ def _none_negative(one: Shares) -> bool:
 
 
 def ranged(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
-    """Whether what was found is right; measured is the width, ``(highest - lowest)/mean``.
+    """Return whether the range is right; measured is the width, ``(highest - lowest)/mean``.
 
-    NaN around zero. Judged afresh: the row of a store may be older than the reference.
+    It is NaN around zero. The verdict is recomputed: the row of a store may be older than the
+    reference.
 
     Args:
         outcomes: one.

@@ -1,4 +1,4 @@
-"""The answer to a question, with its numbers."""
+"""The finding on a question, with its numbers."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -12,19 +12,19 @@ from lacore_verification.harness.store.spreadsheets import unquoted
 from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 FILE = "checks.csv"
-"""Of findings, in the folder of their results."""
+"""File of findings, in the folder of their results."""
 
 
 @dataclass(frozen=True)
 class CheckResult:
-    """What a check found.
+    """Result of a check.
 
     Attributes:
         verdict: ``pass``, ``FAIL``, ``skipped``, ``no reference``: nothing to compare with, or
-            ``no result`` of a regularised backend that gives none and says so.
+            ``no result`` of a regularised backend that reports none.
         why: one line with the numbers.
-        measured: the number that decided; NaN where it was a status, or there is none.
-        allowed: what it may be, as text.
+        measured: the decisive number; NaN if it was a status, or there is none.
+        allowed: limit as text.
     """
 
     verdict: str
@@ -35,17 +35,17 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Finding:
-    """A question and its answer; a field is a column.
+    """A question and its finding; a field is a column.
 
     Attributes:
         case, variant, backend, coupling, check: of the question; no coupling is the default one.
-        meshes: the levels that were looked at, or the numbers of elements of a ladder, or of the
-            meshes of a lower and an upper bound.
-        measured, allowed: of the answer: ``value`` relative error and band, ``side`` relative
+        meshes: mesh levels, or the numbers of elements of a ladder, or of the meshes of a lower and
+            an upper bound.
+        measured, allowed: of the finding: ``value`` relative error and band, ``side`` relative
             distance from the bound, ``residuals`` the largest and its bar, ``order`` p of
-            ``error ~ elements**-p`` and what is expected, ``bracket`` width and target, ``gap``
-            what is missing from the sum of shares, per gap, and its bar, ``range`` its width.
-        verdict, why: of the answer.
+            ``error ~ elements**-p`` and its expected value, ``bracket`` width and target, ``gap``
+            difference from the sum of shares, per gap, and its bar, ``range`` its width.
+        verdict, why: of the finding.
     """
 
     case: str
@@ -61,7 +61,7 @@ class Finding:
 
 
 def tally(findings: Sequence[Finding]) -> dict[str, int]:
-    """How many questions were answered how."""
+    """Return the number of findings by verdict."""
     count = Counter(finding.verdict for finding in findings)
     kinds = {
         "passed": PASS,
@@ -74,12 +74,12 @@ def tally(findings: Sequence[Finding]) -> dict[str, int]:
 
 
 def load_checks(folder: Path) -> pd.DataFrame:
-    """The findings that `lacore verify` wrote into a folder; no rows where there are none."""
+    """Return the findings that `lacore verify` wrote into a folder; no rows if there are none."""
     path = folder / FILE
     return unquoted(pd.read_csv(path)) if path.is_file() else as_table([])
 
 
 def as_table(findings: Sequence[Finding]) -> pd.DataFrame:
-    """One row a finding."""
+    """Return one row for each finding."""
     columns = [entry.name for entry in fields(Finding)]
     return pd.DataFrame([asdict(finding) for finding in findings], columns=columns)

@@ -22,7 +22,7 @@ _SOLVED = la.Status.SOLVED.label
 
 @dataclass(frozen=True)
 class _Said:
-    """What a row says of its state; as of `la.LimitState`."""
+    """Columns of a row about its state; as in `la.LimitState`."""
 
     status: la.Status
     load_factor: float
@@ -39,9 +39,9 @@ def _said(row: Row) -> _Said:
 
 
 def value(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
-    """Whether load factors lie in their bands, or statuses are those of a reference.
+    """Return whether load factors are in their bands, or statuses are those of a reference.
 
-    Judged afresh: the row of a store may be older than the reference.
+    The verdict is recomputed: the row of a store may be older than the reference.
 
     Args:
         outcomes: of one variant, backend and coupling on its meshes.
@@ -52,7 +52,7 @@ def value(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
 
 def _value(outcome: Outcome, reference: Reference) -> CheckResult:
     run, row = outcome.run, outcome.row
-    if isnan(row.n_elements):  # nothing was solved
+    if isnan(row.n_elements):  # Nothing was solved.
         return CheckResult(lost_verdict(outcome), f"{run.label}: {row.why}", allowed=reference.text)
     band = run.case.band_of(run.variant, int(row.n_elements))
     refuted = refutation(row.claimed, outcome.evidence.residuals)
@@ -71,13 +71,13 @@ def _value(outcome: Outcome, reference: Reference) -> CheckResult:
 
 
 def lost_verdict(outcome: Outcome) -> str:
-    """Verdict on a run that left no numbers: late is no result, where none is insisted on."""
+    """Return the verdict on a run without numbers: a late one has no result if none is required."""
     late = outcome.row.status == la.Status.TIME_LIMIT.label
     return NO_RESULT if late and not outcome.run.insist else FAIL
 
 
 def upper_from_above(outcomes: Sequence[Outcome], reference: Reference) -> CheckResult:
-    """Whether strict upper bounds are not below the reference, by more than solvers may err."""
+    """Return whether strict upper bounds are not below the reference, within solver tolerances."""
     return _worst(
         [_upper(outcome, reference) for outcome in outcomes if outcome.row.status == _SOLVED],
         operator.neg,
@@ -101,7 +101,7 @@ def _upper(outcome: Outcome, reference: Reference) -> CheckResult:
 
 
 def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]) -> CheckResult:
-    """Whether ``P <= alpha_reg <= lambda <= alpha*`` (T19), to what both solvers may err.
+    """Return whether ``P <= alpha_reg <= lambda <= alpha*`` (T19), within both tolerances.
 
     Args:
         outcomes: of regularised backends, on problems without Coulomb friction: a reaction loop
@@ -121,8 +121,8 @@ def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]
 def _lambda(outcome: Outcome, exact: Outcome) -> CheckResult:
     run, row, star = outcome.run, outcome.row, exact.row.load_factor
     chain = (row.P, row.alpha_reg, row.load_factor, star)
-    excess = _relative(float(np.max(-np.diff(chain))), star, _band(outcome))  # NaN stays
-    allowed = 2 * SOLVER  # one for each of the two
+    excess = _relative(float(np.max(-np.diff(chain))), star, _band(outcome))  # NaN is kept.
+    allowed = 2 * SOLVER  # One for each of the two.
     verdict = PASS if excess <= allowed and all(map(isfinite, chain)) else FAIL
     why = (
         f"{run.label}: P = {row.P:.7g}, alpha_reg = {row.alpha_reg:.7g}, lambda ="
@@ -141,7 +141,7 @@ def _relative(difference: float, value: float, band: Band) -> float:
 
 
 def _worst(answers: Sequence[CheckResult], badness: Callable[[float], float]) -> CheckResult:
-    """The first failure, or no result, or no reference, or else the answer that is worst."""
+    """Return the first failure, missing result or missing reference, or else the worst result."""
     if not answers:
         return CheckResult(SKIPPED, "no run was solved: there is nothing to look at")
     for verdict in (FAIL, NO_RESULT):

@@ -1,4 +1,4 @@
-"""What a problem is like, before it is solved: which sides its values must lie on."""
+"""Nature of a problem, before it is solved: the required sides of its values."""
 
 from dataclasses import dataclass
 
@@ -12,13 +12,13 @@ _WORKER = "lacore_verification.harness.verify.nature:Worker"
 
 @dataclass(frozen=True)
 class Nature:
-    """Of a problem.
+    """Nature of a problem.
 
     Attributes:
         strict: whether the dissipation is an upper bound.
         normal: whether all flow is associated, that of soils and of contact.
         bounded: whether that of soils is, so that bounds enclose every load factor.
-        ranged: whether that of soils is not, so that there may be many.
+        ranged: whether that of soils is not, so that load factors may not be unique.
     """
 
     strict: bool = False
@@ -28,10 +28,10 @@ class Nature:
 
 
 class Worker:
-    """In a process of its own."""
+    """Worker in a separate process."""
 
     def nature(self, case: Case, variant: Variant, mesh: str) -> Nature:
-        """Of a problem, built here."""
+        """Return the nature of a problem, which is built here."""
         found = la.discretise(case.problem(variant, mesh))
         bounded = not found.full.frictional
         normal = bounded and not found.full.contact.coulomb.any()
@@ -39,9 +39,11 @@ class Worker:
 
 
 def nature_of(case: Case, variant: Variant, mesh: str) -> Nature:
-    """Of a variant; of one that cannot be built nothing is known, and its rows will say why.
+    """Return the nature of a variant.
 
-    What others wrote is built in a process of its own: it may hang, or end it.
+    It is unknown if the variant cannot be built, which rows report.
+
+    Cases of users are built in a separate process, as they may hang, or end it.
     """
     try:
         if is_of_lacore(case):
@@ -49,5 +51,5 @@ def nature_of(case: Case, variant: Variant, mesh: str) -> Nature:
         with ChildProcess(_WORKER) as process:
             nature: Nature = process.ask(START, "nature", case, variant, mesh)
             return nature
-    except Exception:  # lost processes, and whatever others wrote
+    except Exception:  # Lost processes, and any error of cases of users.
         return Nature()

@@ -15,12 +15,12 @@ from lacore_verification.runs.outcome import Outcome
 
 
 def order(question: Question, outcomes: Sequence[Outcome]) -> CheckResult:
-    """Whether the error falls as ``elements**-p`` over the whole ladder with the p that is stated.
+    """Return whether the error falls as ``elements**-p`` over the whole ladder with the expected p.
 
-    p must lie within the tolerance of the case, and its 95 % confidence interval must be no wider:
-    one that is wide would contain any order.
+    p must lie within the tolerance of the case, and its 95 % confidence interval must be no wider,
+    as a wide one would contain any order.
     """
-    # Here, because it takes most of a second that other commands need not wait for.
+    # Imported here, because it takes most of a second that other commands do not need.
     from lacore_verification.harness.analysis.slope_fits import fit_slope
 
     stated = question.case.order_of(question.variant)

@@ -17,9 +17,9 @@ from lacore_verification.runs.outcome import Outcome
 
 
 def path(outcomes: Sequence[Outcome]) -> CheckResult:
-    """Whether paths end as they must, with loads in their bands all the way.
+    """Return whether paths end as required, with all loads in their bands.
 
-    Judged afresh: the row of a store may be older than the reference.
+    The verdict is recomputed: the row of a store may be older than the reference.
     """
     answers = [_path(outcome) for outcome in outcomes]
     for verdict in (FAIL, NO_RESULT, NO_REFERENCE):
@@ -31,7 +31,7 @@ def path(outcomes: Sequence[Outcome]) -> CheckResult:
 
 def _path(outcome: Outcome) -> CheckResult:
     run, row = outcome.run, outcome.row
-    if not row.ending or isnan(row.n_elements):  # nothing was solved
+    if not row.ending or isnan(row.n_elements):  # Nothing was solved.
         return CheckResult(lost_verdict(outcome), f"{run.label}: {row.why}")
     band = run.case.band_of(run.variant, int(row.n_elements))
     reference = run.case.reference_of(run.variant)
@@ -42,8 +42,8 @@ def _path(outcome: Outcome) -> CheckResult:
 
 
 def steps(question: Question, outcomes: Sequence[Outcome]) -> CheckResult:
-    """Whether the largest error of a path falls as ``steps**-p`` with the p of the scheme."""
-    # Here, because it takes most of a second that other commands need not wait for.
+    """Return whether the largest error of a path falls as ``steps**-p`` with that p."""
+    # Imported here, because it takes most of a second that other commands do not need.
     from lacore_verification.harness.analysis.slope_fits import fit_slope
 
     stated = question.case.following_of(question.variant)

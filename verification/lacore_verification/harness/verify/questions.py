@@ -1,4 +1,4 @@
-"""What is asked of which case with which backend, and the runs that it takes."""
+"""Checks of each case with each backend, and the runs that they need."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ CHECKS: Mapping[str, str] = {
     "steps": "the error of a path falls with its steps as the scheme says",
     "gap": "shares of elements add up to the gap between both bounds, and none is below 0",
 }
-"""What a check asks, by name."""
+"""Description of each check, by name."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Question:
 
     Attributes:
         check: a name of `CHECKS`.
-        runs: to be looked at, all of one variant, backend and coupling.
-        exact: of a regularised backend and ``side``: a run of an exact backend beside each.
-        coulomb: of a bracket: whether the problem has Coulomb friction, which is made associated.
+        runs: of one variant, backend and coupling.
+        exact: for a regularised backend and ``side``: the corresponding runs of an exact backend.
+        coulomb: for a bracket: whether the problem has Coulomb friction, which is made associated.
     """
 
     check: str
@@ -52,7 +52,7 @@ class Question:
 
     @property
     def variant(self) -> Variant:
-        """Its variant."""
+        """Return its variant."""
         return self.runs[0].variant
 
     @property
@@ -67,14 +67,14 @@ class Question:
 
     @property
     def reference(self) -> Reference:
-        """What its coupling must find."""
+        """Return the reference of its coupling."""
         if self.coupling == BRACKET:
             return between(self.case.reference_of(self.variant), self.coulomb)
         return _reference(self.case, self.variant, self.coupling)
 
     @property
     def name(self) -> str:
-        """As in ``prandtl-punch:smooth-clarabel-order``, ``...-clarabel-bracket-gap``."""
+        """Return a name such as ``prandtl-punch:smooth-clarabel-order``."""
         parts = (f"{self.case.id}:{self.variant.name}", self.backend, self.coupling, self.check)
         return "-".join(dict.fromkeys(part for part in parts if part))
 
@@ -85,13 +85,13 @@ def ask(
     meshes: Sequence[str] = (),
     known: Catalogue | None = None,
 ) -> list[Question]:
-    """Questions on cases (``id`` or ``id:variant``; none: all but those on demand).
+    """Return questions on cases (``id`` or ``id:variant``; none: all but those on demand).
 
-    Where nothing is named, no dear ones on further variants of a case, see `left_out`.
-    Without `backends` those of a comparison; the ladder of an order is climbed by the first exact
-    one of them only: it is one of the discretisation; and so is a bracket, whatever is named.
-    Without `meshes` exact backends run the levels of each variant, regularised ones the coarsest of
-    them; ladders and brackets have meshes of their own.
+    Without any names, expensive ones on further variants of a case are omitted, see `left_out`.
+    Without `backends` those of a comparison; only the first exact one runs the ladder of an order,
+    which is a property of the discretisation; and so for a bracket, with any names. Without
+    `meshes` exact backends run the levels of each variant, regularised ones the coarsest of them;
+    ladders and brackets have separate meshes.
 
     Raises:
         InputError: an unknown name.
@@ -109,7 +109,7 @@ def ask(
 def _by_variant(
     names: Sequence[str], backends: Sequence[str], meshes: Sequence[str], known: Catalogue | None
 ) -> list[list[Run]]:
-    """Runs of a comparison, a list a variant; where no meshes are named, those of `_quick`."""
+    """Return runs of a comparison, by variant; without given meshes, those of `_quick`."""
     groups: dict[tuple[str, str], list[Run]] = {}
     for run in plan(names, backends, meshes, known=known):
         groups.setdefault((run.case.id, run.variant.name), []).append(run)
@@ -122,11 +122,11 @@ def left_out(
     meshes: Sequence[str] = (),
     known: Catalogue | None = None,
 ) -> list[Run]:
-    """Runs that are dear and tell least, and are not asked for where nothing is named.
+    """Return expensive and less informative runs, which are omitted without names.
 
-    Of variants that are not among the first (`shown_first`): dense backends, those that soils
-    slow down, and further exact ones on meshes, brackets, and regularised ones along paths. These
-    answer for the first variant, and the first exact one for all.
+    For variants that are not among the first (`shown_first`): dense backends, those that are slow
+    on soils, and further exact ones on meshes, brackets, and regularised ones along paths. These
+    solve the first variant, and the first exact one solves all.
     """
     if names or backends or meshes:
         return []
@@ -155,9 +155,9 @@ def _tells_least(run: Run, first: Sequence[str]) -> bool:
 
 
 def runs_of(questions: Sequence[Question]) -> list[Run]:
-    """Every run that is needed, once; neighbours share their problem as far as possible.
+    """Return every run that is needed, once; consecutive runs share their problem if possible.
 
-    The dear ones come first: one that is begun last would keep all other processes waiting.
+    Expensive runs are first: one that is started last would keep all other processes waiting.
     """
     runs = {run.key: run for question in questions for run in (*question.runs, *question.exact)}
     problems: dict[tuple[object, ...], list[Run]] = {}
@@ -168,7 +168,7 @@ def runs_of(questions: Sequence[Question]) -> list[Run]:
 
 
 def _dear(run: Run) -> bool:
-    """Whether a run takes tens of solves, or is of a backend of which one takes seconds."""
+    """Return whether a run takes tens of solves, or has a backend with slow solves."""
     several = run.coupling in (BRACKET, RANGE) or run.case.path is not None
     return several or capabilities(run.backend).dense
 
@@ -179,7 +179,7 @@ def _quick(runs: Sequence[Run]) -> list[Run]:
 
 
 def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
-    """Questions on a variant; `each`: whether each exact backend is asked for the order."""
+    """Yield questions on a variant; `each` is whether each exact backend checks the order."""
     case, variant = runs[0].case, runs[0].variant
     if case.path is not None:
         yield from _of_path(runs)
@@ -207,7 +207,7 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
 
 
 def _of_default_loop(run: Run, nature: Nature, first: bool, each: bool) -> Iterator[Question]:
-    """Questions on the default loop of a backend, most of them of the `first` exact one only."""
+    """Yield questions on the default loop of a backend, most for the `first` exact one only."""
     if first and nature.bounded:
         yield from _bracket(run, not nature.normal)
     if first and nature.ranged:
@@ -217,7 +217,7 @@ def _of_default_loop(run: Run, nature: Nature, first: bool, each: bool) -> Itera
 
 
 def _of_path(runs: Sequence[Run]) -> Iterator[Question]:
-    """Of each path its loads, and the last state; the steps with the first exact backend."""
+    """Yield questions on loads and last states of paths, and on steps with one exact backend."""
     for backend in dict.fromkeys(run.backend for run in runs):
         group = tuple(run for run in runs if run.backend == backend)
         yield Question("path", group)
@@ -227,12 +227,12 @@ def _of_path(runs: Sequence[Run]) -> Iterator[Question]:
         return
     ladder = exact.case.following_of(exact.variant).ladder
     stepped = [_stepped(exact, steps) for steps in ladder]
-    if stepped:  # that of the variant first: the question is one on it
+    if stepped:  # The run of the variant is first, as the question is one on it.
         yield Question("steps", tuple(sorted(stepped, key=lambda run: run.key != exact.key)))
 
 
 def _stepped(run: Run, steps: int) -> Run:
-    """A run with another number of steps."""
+    """Return a run with another number of steps."""
     variant = run.variant
     if variant.parameters["steps"] == steps:
         return run
@@ -243,7 +243,7 @@ def _stepped(run: Run, steps: int) -> Run:
 
 
 def _beside(group: Sequence[Run], exact: Sequence[Run]) -> Iterator[Question]:
-    """The side of regularised values, as far as exact ones of the same problems are there."""
+    """Yield the side of regularised values if there are exact ones of the same problems."""
     partners = {run.mesh: run for run in reversed(exact)}
     runs = tuple(run for run in group if run.mesh in partners)
     if runs:
@@ -263,7 +263,7 @@ def _ladder(run: Run) -> Iterator[Question]:
 
 
 def _bracket(run: Run, coulomb: bool) -> Iterator[Question]:
-    """Of a deformable body that has a load factor, whatever friction does."""
+    """Yield questions on a deformable body that has a load factor with any friction."""
     case, variant = run.case, run.variant
     if case.bracket is None or not case.meshed:
         return

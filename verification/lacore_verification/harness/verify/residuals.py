@@ -1,4 +1,4 @@
-"""Check of the residuals: computed afresh from the stored state, never copied."""
+"""Check of the residuals: recomputed from the stored state, never copied."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -16,11 +16,11 @@ from lacore_verification.runs.outcome import Outcome
 Rechecked = Proof | str
 """A proof, or why there is none."""
 
-_SAME = 1e-12  # of a load factor that is stored twice
+_SAME = 1e-12  # Relative to a load factor that is stored twice.
 
 
 def residuals(outcomes: Sequence[Outcome], rechecked: Mapping[str, Rechecked]) -> CheckResult:
-    """Whether the residuals of solved states are at the bar, and the states are those of the rows.
+    """Return whether residuals of solved states are small, and the states are those of rows.
 
     Args:
         outcomes: of one variant and backend.
