@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from lacore.assembly.water import pore_pressures, total_stress
+from lacore.bounds.lending import with_lent_cohesion
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stresses.admissible import margins, weaker
@@ -190,6 +191,7 @@ def lower_bound(
     *,
     options: Mapping[str, Any] | None = None,
     throw: bool = False,
+    lent_cohesion: float | None = None,
 ) -> LowerBound:
     """Compute a strict lower bound of the load factor, with the stresses that prove it.
 
@@ -203,6 +205,8 @@ def lower_bound(
         backend: name of an exact backend.
         options: options of the backend.
         throw: raise `SolveError` unless the status is SOLVED.
+        lent_cohesion: Pa, given to bodies without cohesion or without tension: the bound is then
+            one of the problem with it.
 
     Raises:
         InputError: features without equilibrium elements, see `static_model`; unknown names.
@@ -216,6 +220,7 @@ def lower_bound(
     """
     read_options(require_exact(backend, "a lower bound"), options or {})
     begin = time.perf_counter()
+    problem, notes = with_lent_cohesion(problem, lent_cohesion)
     model = problem if isinstance(problem, StaticModel) else static_model(problem)
     solved = _solved(model, 0.0, backend, options or {}, begin)
     settled = True
@@ -227,8 +232,8 @@ def lower_bound(
         settled = min(most, 0.0) <= solved.load_factor <= max(most, 0.0)
         if settled:
             break
-    bound = _bound(solved, backend, options or {}, settled or solved.status is not Status.SOLVED)
-    return bound.checked(throw)
+    settled = settled or solved.status is not Status.SOLVED
+    return _bound(solved, backend, options or {}, settled, notes).checked(throw)
 
 
 @dataclass(frozen=True)
@@ -311,13 +316,20 @@ def _attempts(
     return tuple(attempts)
 
 
-def _bound(solved: _Solved, backend: str, options: Mapping[str, Any], settled: bool) -> LowerBound:
+def _bound(
+    solved: _Solved,
+    backend: str,
+    options: Mapping[str, Any],
+    settled: bool,
+    notes: tuple[Finding, ...],
+) -> LowerBound:
     """Return the result as a bound of the problem, in SI units.
 
     Args:
         solved: the last solve.
         backend, options: backend of the solve.
         settled: whether the strengths suffice for the load factor that was found.
+        notes: what else there is to report.
     """
     model, last, scales = solved.model, solved.attempts[-1], solved.program.scales
     status = solved.status if settled else Status.NOT_CERTIFIED
@@ -344,7 +356,7 @@ def _bound(solved: _Solved, backend: str, options: Mapping[str, Any], settled: b
         solve_time=solve_time,
         compile_time=compile_time,
         options=dict(options),
-        findings=findings,
+        findings=(*findings, *notes),
         model=model,
         point=None if last.state is None else in_si(scales, last.state),
         ray=ray,

@@ -271,7 +271,7 @@ def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None
             region.criterion.label,
             "no cohesion or no tension: where nothing presses it stresses have no room to be exact"
             " in",
-            f"{lend(dofs.body, dead_load)}: what is proven then is of that soil",
+            text("{}: what is proven then is of that soil", lend(dofs.body, dead_load)),
         )
 
 

@@ -139,6 +139,10 @@ class Kind(Enum):
         " room: lend it next to none, {lent} of cohesion or of tension (Rankine for NoTension),"
         " or take another of the backends 'clarabel' and 'interior_point'"
     )
+    LENT_COHESION = (
+        "{where!r} is lent {lent} of cohesion or of tension: a lower bound is one with it, an upper"
+        " bound is one without it, too"
+    )
     COARSE_TOLERANCE = (
         "tighten the backend's tolerance, or fix the mesh (smallest angle {angle:.2g} degrees)"
     )

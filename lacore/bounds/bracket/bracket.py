@@ -105,6 +105,7 @@ class Bracket(Reported):
         coulomb: whether the problem has Coulomb friction: the lower bound is then one of the
             problem without it, the upper one of that with associated friction (T14).
         stops: which side stopped at how many elements, and why; empty if the target is reached.
+        lent: what cohesion was lent to bodies, see `lacore.bracket`; empty if none was.
     """
 
     status: Ending
@@ -115,6 +116,7 @@ class Bracket(Reported):
     failures: tuple[Finding, ...]
     coulomb: bool = False
     stops: tuple[Finding, ...] = ()
+    lent: tuple[Finding, ...] = ()
 
     @property
     def lower(self) -> float:
@@ -178,6 +180,7 @@ class Bracket(Reported):
             *self.stops,
             *([] if proven_of is None else [Finding(proven_of)]),
             *self.failures,
+            *self.lent,
             *([] if reached is None else [reached]),
         )
 

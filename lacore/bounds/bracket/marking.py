@@ -1,10 +1,13 @@
 """Elements to refine: shares of an error, and the fewest elements with most of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
 
+from lacore.bounds.bracket.bracket import proven
+from lacore.bounds.bracket.whole import of_all
 from lacore.bounds.gap_identity import gap_identity
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound
@@ -15,6 +18,28 @@ from lacore.program.dissipation import DissipationGroup
 T = TypeVar("T")
 
 _LOWER = 0.3  # share of all, as lower bounds may be weak where nothing moves
+
+
+def shares_of(
+    last: Mapping[str, LowerBound | UpperBound], bodies: list[str], elements: int
+) -> Floats:
+    """Return the shares of elements in an error; equal shares if nothing was solved.
+
+    Args:
+        last: the last bounds on a mesh, by kind.
+        bodies: names of the bodies on this mesh.
+        elements: of all of them.
+    """
+    lower, upper = last.get("lower"), last.get("upper")
+    if proven(lower, np.nan) <= proven(upper, np.nan):
+        assert isinstance(lower, LowerBound)
+        assert isinstance(upper, UpperBound)
+        return shared_shares(upper, lower)
+    if isinstance(upper, UpperBound) and np.all(np.isfinite(upper.velocity)):
+        return of_all(bodies, partial(upper_shares, upper))
+    if isinstance(lower, LowerBound) and lower.point is not None:
+        return of_all(bodies, partial(lower_shares, lower))
+    return np.ones(elements)
 
 
 def upper_shares(bound: UpperBound, body: str) -> Floats:

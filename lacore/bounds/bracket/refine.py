@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,12 @@ from skfem import MeshTri
 
 from lacore.bounds.bracket.asking import TIGHTEST, Bound, RequestedBound, Solver, processors
 from lacore.bounds.bracket.bracket import Bracket, Ending, Step, crossing, proven, width
-from lacore.bounds.bracket.marking import lower_shares, shared_shares, upper_shares
+from lacore.bounds.bracket.marking import shares_of
 from lacore.bounds.bracket.starts import starts
 from lacore.bounds.bracket.track import RECENT, Track, growths, on_finer, order
-from lacore.bounds.bracket.whole import continua, mesh_of, of_all
+from lacore.bounds.bracket.whole import continua, mesh_of
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
+from lacore.bounds.lending import with_lent_cohesion
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound
 from lacore.limit.solve import solve
@@ -28,7 +28,6 @@ from lacore.model.bodies.continuum.body import Body
 from lacore.model.meshes.checks import quality
 from lacore.model.meshes.refinement import grown
 from lacore.model.problem.problem import Problem
-from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import require_count, require_positive, require_width, typed
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
@@ -60,6 +59,7 @@ def bracket(
     lower_mesh: MeshTri | None = None,
     jobs: int | None = None,
     on_step: Callable[[Step], None] | None = None,
+    lent_cohesion: float | None = None,
 ) -> Bracket:
     """Compute a strict lower and a strict upper bound, as close as requested.
 
@@ -90,9 +90,11 @@ def bracket(
         lower_mesh: mesh of the same domain to start the lower bound from, such as a
             `lacore.model.meshes.fan`. None: the mesh of the problem, with fans at its singular
             points if meshes are separate.
-        jobs: number of simultaneous solves in threads, at most two. The bounds do not depend on it
-            unless the time limit is reached. None: the number of processors.
+        jobs: number of simultaneous solves in threads, at most two; None: of processors. Bounds do
+            not depend on it unless the time limit is reached.
         on_step: called after each solve, for progress.
+        lent_cohesion: Pa, given to bodies without cohesion or without tension; the lower bound is
+            then one of the problem with it.
 
     Raises:
         InputError: a target or a limit that is not positive, limits below the start, slivers, a
@@ -115,6 +117,7 @@ def bracket(
     require_count("jobs", jobs)
     require_associated_flow(of_kind(problem.bodies, Body))
     read_options(find_backend(backend), options or {})
+    problem, lent = with_lent_cohesion(problem, lent_cohesion)
     bodies = continua(problem)
     run = _Run(
         list(bodies),
@@ -125,6 +128,7 @@ def bracket(
         max_elements,
         on_step,
         has_coulomb(problem),
+        lent,
     )
     first = starts(problem, target_width, max_elements, meshes, lower_mesh)
     tracks = [Track(start.kinds, start.problem) for start in first]
@@ -147,6 +151,7 @@ class _Run:
     max_elements: int
     on_step: Callable[[Step], None] | None
     coulomb: bool
+    lent: tuple[Finding, ...] = ()
     best: dict[str, Bound] = field(default_factory=dict)
     failures: dict[str, Finding | None] = field(default_factory=dict)
     absent: dict[str, Finding] = field(default_factory=dict)
@@ -364,6 +369,7 @@ class _Run:
             failures=tuple(failed if crossed is None else [*failed, crossed]),
             coulomb=self.coulomb,
             stops=() if ending is Ending.REACHED else tuple(self.stops(tracks)),
+            lent=self.lent,
         )
 
     def stops(self, tracks: Sequence[Track]) -> Iterator[Finding]:
@@ -378,21 +384,10 @@ class _Run:
 
     def refined(self, track: Track, times: float) -> Problem | None:
         """Return the problem on the next mesh with `times` as many elements, if it is allowed."""
-        finer = grown(track.mesh, self.shares(track), times, self.max_elements)
+        finer = grown(
+            track.mesh, shares_of(track.last, self.bodies, track.elements), times, self.max_elements
+        )
         return None if finer is None else on_finer(track.problem, finer, self.rows)
-
-    def shares(self, track: Track) -> Floats:
-        """Return the shares of elements in the last error; equal shares if nothing was solved."""
-        lower, upper = track.last.get("lower"), track.last.get("upper")
-        if proven(lower, np.nan) <= proven(upper, np.nan):
-            assert isinstance(lower, LowerBound)
-            assert isinstance(upper, UpperBound)
-            return shared_shares(upper, lower)
-        if isinstance(upper, UpperBound) and np.all(np.isfinite(upper.velocity)):
-            return of_all(self.bodies, partial(upper_shares, upper))
-        if isinstance(lower, LowerBound) and lower.point is not None:
-            return of_all(self.bodies, partial(lower_shares, lower))
-        return np.ones(track.elements)
 
     def too_late(self, track: Track, finer: Problem) -> bool:
         """Return whether the next solve is expected to end after the limit."""

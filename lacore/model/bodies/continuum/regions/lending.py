@@ -7,6 +7,7 @@ import numpy as np
 
 from lacore.model.bodies.continuum.regions.region import Region
 from lacore.numerics.arrays import Floats
+from lacore.reporting.text import Term, Text, text
 
 if TYPE_CHECKING:
     from lacore.model.bodies.continuum.body import Body
@@ -33,10 +34,11 @@ def next_to_none(body: "Body", dead_load: Floats) -> float:
     return _LENT * (float(np.abs(dead_load).sum()) / area or largest_strength(body) or 0.1)
 
 
-def lend(body: "Body", dead_load: Floats) -> str:
+def lend(body: "Body", dead_load: Floats) -> Text:
     """Return advice on the strength for regions without any; see `next_to_none`."""
-    lent = f"{next_to_none(body, dead_load):.1e} Pa of cohesion or of tension"
-    return f"lend it next to none, {lent} (Rankine for NoTension)"
+    least = f"{next_to_none(body, dead_load):.1e}"
+    whole = f"{least} Pa of cohesion or of tension (Rankine for NoTension)"
+    return text("lend it next to none, {}{}", whole, Term(f" or `lent_cohesion={least}`", ""))
 
 
 def hardly_any(body: "Body", dead_load: Floats) -> float | None:
