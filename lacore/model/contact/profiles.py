@@ -105,7 +105,7 @@ class Profile(Compact):
             towards = gap[:, np.arange(which.size), which]
             side = np.where(np.sum(towards * bisector, axis=0) < 0, -1.0, 1.0)
             near = length <= _SAME * scale
-            radial = side * towards / np.where(near, 1.0, length)
+            radial = side * towards / np.where(~near, length, 1.0)
             normal = np.where(at, np.where(near, bisector, radial), normal)
             distance = np.where(at, side * length, distance)
         return np.asarray(distance), np.asarray(normal)

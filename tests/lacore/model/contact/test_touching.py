@@ -215,6 +215,9 @@ def test_inner_corners_of_a_container():
     # Roundings at the far ends of the edges shorten them.
     (short,) = outline(corners, rounding=[0, 0, 0, 0, 0.3, 0]).inner
     assert short.reach == pytest.approx(1.7)
+    shorter = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 3), (0, 3)]
+    (short,) = outline(shorter, rounding=[0, 0, 0.3, 0, 0, 0]).inner
+    assert short.reach == pytest.approx(0.7)
 
 
 def test_roundings_that_fit_exactly_are_accepted():
