@@ -353,3 +353,20 @@ def test_crushing_lets_blocks_approach_each_other():
     u[crushing] = np.arange(1.0, crushing.size + 1)
     assert np.sort(rows.opening(u)) == pytest.approx(u[crushing])
     assert np.abs(rows.slip(u)).max() <= 1e-12
+
+
+def test_a_node_of_a_frame_on_a_body_is_one_point_whose_tractions_are_forces():
+    frame = la.Frame({"A": (0.5, 1), "B": (0.5, 3)}, {"column": ("A", "B")}, plastic_moment=1.0)
+    for slave, master in ((("frame", "A"), ("b", "top")), (("b", "top"), ("frame", "A"))):
+        problem = la.Problem(
+            {"b": square(2), "frame": frame},
+            [la.PointForce("frame", "B", (1.0, 0.0))],
+            [la.Fix("b", "bottom")],
+            [la.Interface(slave, master, MU)],
+            [la.PointForce("frame", "B", (0.0, -1.0))],
+        )
+        d = la.discretise(problem)
+        assert d.full.contact.weights.tolist() == [1.0]
+        assert d.points.position.tolist() == [[0.5, 1.0]]
+        upward = 1.0 if slave[0] == "frame" else -1.0
+        assert d.points.normal[0] == pytest.approx([0.0, upward])

@@ -378,3 +378,9 @@ def test_a_plane_that_a_face_only_meets_along_an_edge_is_rejected(slope, side):
 def test_fewer_than_three_corners_are_no_outline(points):
     with pytest.raises(la.InputError, match=r"shapes\.outline\.points"):
         outline(points)
+
+
+@pytest.mark.parametrize("given", [{"point": (0, 0)}, {"normal": (0, 1)}])
+def test_an_obstacle_with_a_shape_has_no_part_of_a_plane(given):
+    with pytest.raises(la.InputError, match="a plane and another shape"):
+        la.RigidObstacle(**given, shape=la.shapes.disc((0, 0), 1))
