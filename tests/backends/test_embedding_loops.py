@@ -7,7 +7,7 @@ from scipy.sparse import csr_matrix
 from lacore_backends._embedding.cones import Compliance, Compliances, Scaling, product
 from lacore_backends._embedding.frames import Frame
 from lacore_backends._embedding.loops import plain
-from lacore_backends._embedding.rows import Rows, Stack
+from lacore_backends._embedding.rows import Rows, stacked
 from lacore_backends._embedding.stiffness import Stiffness
 
 compiled = pytest.importorskip("lacore_backends._embedding.loops.compiled")
@@ -143,7 +143,7 @@ def kinds(rng):
     places = n + np.cumsum(
         [gap + a * b for gap, (a, b) in zip(gaps, [(0, 0), *sizes], strict=False)]
     )
-    stack = Stack.of(rows, places.tolist())
+    stack = stacked(rows, places.tolist())
     return stack, each, soft, int(places[-1]) + 5 + 2
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.numerics.arrays import Floats, Ints, Sparse
+from lacore.numerics.arrays import Floats, Sparse
 from lacore_backends._embedding.loops.best import Loops
+from lacore_backends._embedding.loops.stack import Stack
 
 
 @dataclass(frozen=True)
@@ -51,36 +52,17 @@ class Rows:
         return self.loops.forces(self.matrix, parts)
 
 
-@dataclass(frozen=True)
-class Stack:
-    """Stacked rows of several kinds, so that one call handles all of them.
-
-    Attributes:
-        matrix: shape (all rows, n).
-        spans: dim, count, first row, first point, and place of the multipliers in the array of a
-            `Vector`, for each kind, shape (k, 5).
-        norms: norms of all points.
-        loops: loops over points.
-    """
-
-    matrix: Sparse
-    spans: Ints
-    norms: Floats
-    loops: Loops
-
-    @classmethod
-    def of(cls, kinds: Sequence[Rows], places: Sequence[int]) -> "Stack":
-        """Stack kinds whose multipliers begin at these places."""
-        sizes = [(rows.dim, rows.count) for rows in kinds]
-        first_row = np.cumsum([0, *(dim * count for dim, count in sizes)])
-        first_point = np.cumsum([0, *(count for _, count in sizes)])
-        spans = [
-            (*size, row, point, place)
-            for size, row, point, place in zip(sizes, first_row, first_point, places, strict=False)
-        ]
-        return cls(
-            csr_matrix(vstack([rows.matrix for rows in kinds])),
-            np.array(spans, dtype=np.int64),
-            np.concatenate([rows.norms for rows in kinds]),
-            kinds[0].loops,
-        )
+def stacked(kinds: Sequence[Rows], places: Sequence[int]) -> Stack:
+    """Stack kinds of rows whose multipliers begin at these places."""
+    sizes = [(rows.dim, rows.count) for rows in kinds]
+    first_row = np.cumsum([0, *(dim * count for dim, count in sizes)])
+    first_point = np.cumsum([0, *(count for _, count in sizes)])
+    spans = [
+        (*size, row, point, place)
+        for size, row, point, place in zip(sizes, first_row, first_point, places, strict=False)
+    ]
+    return Stack(
+        csr_matrix(vstack([rows.matrix for rows in kinds])),
+        np.array(spans, dtype=np.int64),
+        np.concatenate([rows.norms for rows in kinds]),
+    )

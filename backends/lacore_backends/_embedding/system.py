@@ -18,7 +18,7 @@ from lacore.numerics.linear_algebra import SymmetricSolver
 from lacore_backends._embedding.arrays import Conic
 from lacore_backends._embedding.cones import Compliance, Compliances
 from lacore_backends._embedding.frames import Frame
-from lacore_backends._embedding.rows import Rows, Stack
+from lacore_backends._embedding.rows import Rows, stacked
 from lacore_backends._embedding.stiffness import Stiffness
 from lacore_backends._embedding.vectors import Layout, Vector
 
@@ -71,7 +71,7 @@ class System:
         of_planes = slice(layout.free, len(kinds) - 1)
         self._planes = [(rows, own) for rows, own in kinds[of_planes]]
         kinds[of_planes] = []
-        self._stack = Stack.of([rows for rows, _ in kinds], [own.start for _, (own, _) in kinds])
+        self._stack = stacked([rows for rows, _ in kinds], [own.start for _, (own, _) in kinds])
         self._loops = conic.equal.loops
 
     def elastic(self, costly: Sequence[Floats], equal: Floats, free: Sequence[Floats]) -> Floats:

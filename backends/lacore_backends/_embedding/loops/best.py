@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore_backends._embedding.cones import Compliances, Eliminated, Inverses, Scaling
 from lacore_backends._embedding.loops import plain
 from lacore_backends._embedding.loops.plain import Indices
-
-if TYPE_CHECKING:
-    from lacore_backends._embedding.rows import Stack
+from lacore_backends._embedding.loops.stack import Stack
 
 
 class Loops(Protocol):

@@ -6,7 +6,6 @@ The import raises ImportError if numba is not installed; `plain` then does the s
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
@@ -22,9 +21,7 @@ from lacore_backends._embedding.loops import (
     steps,
 )
 from lacore_backends._embedding.loops.plain import Indices
-
-if TYPE_CHECKING:
-    from lacore_backends._embedding.rows import Stack
+from lacore_backends._embedding.loops.stack import Stack
 
 name = f"numba {numba.__version__}"
 

@@ -1,7 +1,7 @@
 """Compiled loops over compliances and their inverses.
 
 See `lacore_backends._embedding.cones.Compliance` and `lacore_backends._embedding.cones.Inverse`;
-`spans` is explained in `lacore_backends._embedding.rows.Stack`.
+`spans` is explained in `lacore_backends._embedding.loops.stack.Stack`.
 """
 
 import numpy as np

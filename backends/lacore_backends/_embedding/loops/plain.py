@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -23,9 +22,7 @@ from lacore_backends._embedding.cones import (
     product,
     quotient,
 )
-
-if TYPE_CHECKING:
-    from lacore_backends._embedding.rows import Stack
+from lacore_backends._embedding.loops.stack import Stack
 
 name = "NumPy"
 Indices = npt.NDArray[np.int32]  # type of the indices of matrices for PARDISO

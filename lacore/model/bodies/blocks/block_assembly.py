@@ -223,7 +223,7 @@ class BlockAssembly(RigidBlocks):
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
         """Raise `InputError` if a block touches nothing, or only by a corner."""
-        check_resting_corners(self, field)
+        check_resting_corners(self.edges, self.joints, self.names, self.allowed, field)
         check_contact(self, field, supports, touched)
 
     def facets_inside(self, where: Callable[[Floats], Bools], field: str) -> Ints:

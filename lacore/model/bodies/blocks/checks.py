@@ -1,20 +1,18 @@
 """Checks that joints, interfaces and supports can carry the contact of rigid blocks."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lacore.model.bodies.blocks.corners import resting_corners
+from lacore.model.bodies.blocks.joints import Joints
 from lacore.model.bodies.blocks.motions import moving_blocks
+from lacore.model.bodies.blocks.polygons import BlockEdges
 from lacore.model.bodies.blocks.rigid_blocks import RigidBlocks
 from lacore.model.bodies.touching import Touched
 from lacore.model.conditions.loads import Fix
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Quantity, text
-
-if TYPE_CHECKING:
-    from lacore.model.bodies.blocks.block_assembly import BlockAssembly
 
 
 def check_contact(
@@ -39,15 +37,24 @@ def check_contact(
     _check_isolated(body, field, supports, touched)
 
 
-def check_resting_corners(body: "BlockAssembly", field: str) -> None:
+def check_resting_corners(
+    edges: BlockEdges, joints: Joints, names: Sequence[str], tolerance: float, field: str
+) -> None:
     """Reject corners that rest inside an edge: without a joint, blocks would fall through it.
+
+    Args:
+        edges: Edges of all outlines.
+        joints: Joints of all blocks.
+        names: Names of the blocks.
+        tolerance: Distance up to which coordinates count as one, m.
+        field: Name of the assembly, for messages.
 
     Raises:
         InputError: There is such a corner.
     """
-    places, blocks, others = resting_corners(body.edges, body.joints, body.allowed)
+    places, blocks, others = resting_corners(edges, joints, tolerance)
     if blocks.size:
-        block, other = body.names[blocks[0]], body.names[others[0]]
+        block, other = names[blocks[0]], names[others[0]]
         raise InputError(
             field,
             (block, other),
