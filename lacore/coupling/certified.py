@@ -11,6 +11,7 @@ import numpy as np
 
 from lacore.coupling.blocks.central_path import by_places, central_path
 from lacore.coupling.bounds import lower_bound, upper_bound
+from lacore.coupling.constants import LONG_PATIENCE, PATIENCE
 from lacore.coupling.fixed_point import fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
 from lacore.coupling.run import Coupled, Iterate, Run, worst
@@ -24,8 +25,6 @@ from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
 
-_PATIENCE = 4  # successive steps without progress that are allowed
-_LONG = 20  # the same for an iteration whose gap rises temporarily
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, per total load over contact length
 _OUTSIDE, _TRIVIAL = (Finding(Kind.LOAD_OUTSIDE_CONES),), (Finding(Kind.NO_REACTIONS),)
 _LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
@@ -44,7 +43,7 @@ def certified_loop(run: Run) -> Coupled:
         return run.finish(run.solve("single", frictionless_contact(program.contact)))
     if not program.hardens or program.frictional or run.prepare_roughly is None:
         return _from_associated(run)
-    found = resumed(run, mean, _PATIENCE)
+    found = resumed(run, mean, PATIENCE)
     if found is not None:
         return run.finish(found)
     # Restart with the full budget, so that a failed shortcut never loses a result.
@@ -111,17 +110,17 @@ def anchored(run: Run) -> Iterate:
 
 def averaged(run: Run, static: ProgramState) -> Iterate | None:
     """Freeze the mean reactions of both steps, which needs the fewest solves (T12b)."""
-    return alternate(run, static, "K", _PATIENCE, mean)
+    return alternate(run, static, "K", PATIENCE, mean)
 
 
 def _damped(run: Run, static: ProgramState) -> Iterate | None:
     """Iterate on damped reactions of K-steps; S-steps only complete pairs."""
-    return alternate(run, static, "damped K", _LONG, lambda last, _, k: (last + k) / 2)
+    return alternate(run, static, "damped K", LONG_PATIENCE, lambda last, _, k: (last + k) / 2)
 
 
 def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Freeze the reactions of S-steps; the gap decreases from step to step, or stalls (T12)."""
-    return alternate(run, static, "K", _PATIENCE, static_alone)
+    return alternate(run, static, "K", PATIENCE, static_alone)
 
 
 def _shifted(run: Run, static: ProgramState) -> Iterate | None:

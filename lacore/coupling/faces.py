@@ -21,6 +21,15 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, vstack
 from scipy.sparse.linalg import lsmr
 
+from lacore.coupling.constants import (
+    FACE_SLACK,
+    FASTEST_AT_REST,
+    FITTED,
+    NEW_MECHANISM,
+    SLOWEST,
+    SPEED_GAP,
+    SPEEDS_AT_REST,
+)
 from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.program.kinematic import FrozenContact, KinematicProgram, associated_contact
 from lacore.program.reduction import kept_points
@@ -28,20 +37,7 @@ from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.solvers.inner.own_unknown import with_own_unknown
 
-# Thresholds between rest and motion, relative to the largest velocity. Velocities of interior-point
-# methods have noise of 1e-9 and more. If a moving point is classified as resting, the face is too
-# large, and the certificate of its ends fails. If a resting point is classified as moving, the face
-# is too small, and no check detects it. So the widest gap among the velocities is tried first, and
-# large thresholds before small ones.
-_NOISE, _SLOW = 1e-10, 1e-2
-_GAP = 10.0  # ratio of successive velocities; smaller ratios do not separate rest and motion
-_THRESHOLDS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-# Slack of cones that flow, relative to the stress bound. The stress of the state has an accuracy of
-# about 1e-10, and without slack no other stress would be in equilibrium with it.
-_SLACK = 1e-8
-_NOISY = 1e-6  # of the largest velocity: a larger change would be another mechanism
-_ROUND_OFF = 1e-9  # tolerance of the least-squares iteration
-_SWEEPS = 500  # most iterations of it
+_SWEEPS = 500  # most iterations of the least-squares correction of a velocity
 
 
 @dataclass(frozen=True)
@@ -119,7 +115,7 @@ def faces(program: KinematicProgram, point: ProgramState) -> Iterator[Face]:
         return
     speeds = _speeds(program, point.velocity)
     known: list[_Branches] = []
-    for threshold in [*_gaps(speeds), *_THRESHOLDS]:
+    for threshold in [*_gaps(speeds), *SPEEDS_AT_REST]:
         branches = _branches(program, speeds, threshold)
         if not any(branches.same(other) for other in known):
             velocity = _cleaned(program, point.velocity, branches)
@@ -155,9 +151,9 @@ def _speeds(program: KinematicProgram, velocity: Floats) -> _Speeds:
 def _gaps(speeds: _Speeds) -> list[float]:
     """Return thresholds in the middle of the gaps between noise and motion, the widest first."""
     everything = np.concatenate([np.abs(speeds.opening), speeds.slip, *speeds.strain])
-    levels = np.sort(np.clip(everything, _NOISE, _SLOW))
+    levels = np.sort(np.clip(everything, SLOWEST, FASTEST_AT_REST))
     ratios, middles = levels[1:] / levels[:-1], np.sqrt(levels[1:] * levels[:-1])
-    wide = np.flatnonzero(ratios >= _GAP)
+    wide = np.flatnonzero(ratios >= SPEED_GAP)
     ordered: list[float] = middles[wide[np.argsort(-ratios[wide], kind="stable")]].tolist()
     return ordered
 
@@ -192,8 +188,8 @@ def _cleaned(program: KinematicProgram, velocity: Floats, branches: _Branches) -
     matrix = csr_matrix(vstack(vanishing, format="csr"))
     missing = -(matrix @ velocity)
     missing[-1] += 1.0
-    change = lsmr(matrix, missing, atol=0.0, btol=_ROUND_OFF, conlim=0.0, maxiter=_SWEEPS)[0]
-    near = np.abs(change).max() <= _NOISY * np.abs(velocity).max()
+    change = lsmr(matrix, missing, atol=0.0, btol=FITTED, conlim=0.0, maxiter=_SWEEPS)[0]
+    near = np.abs(change).max() <= NEW_MECHANISM * np.abs(velocity).max()
     return np.asarray(velocity + change) if near else velocity
 
 
@@ -216,7 +212,7 @@ def _face(program: KinematicProgram, point: ProgramState, branches: _Branches) -
     for group, stress, flow in zip(program.groups, point.stress, branches.flow, strict=True):
         fixed = np.where(flow[:, None], stress, 0.0)
         dead -= group.rows.T @ (group.weights[:, None] * fixed).ravel()
-        groups.append(replace(group, bound=np.where(flow, _SLACK, 1.0) * group.bound))
+        groups.append(replace(group, bound=np.where(flow, FACE_SLACK, 1.0) * group.bound))
         known.append(fixed)
 
     # An open point may keep a limit of friction; its normal reaction is zero.

@@ -13,6 +13,7 @@ from enum import Enum
 import numpy as np
 
 from lacore.coupling.blocks.slack import Slack
+from lacore.coupling.constants import FAR_LOAD, SHARP_END
 from lacore.coupling.faces import Face, faces, ray_program
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
@@ -25,9 +26,7 @@ from lacore.reporting.showing import Facts, Shown
 from lacore.reporting.status import Status
 from lacore.solvers.backend import Prepare, checked_answer
 
-_SHARP = 1e-7  # residual below which the branches of an end are considered correct
 _FURTHER = 2  # faces tried after one whose end is certified with a larger residual
-_FAR = 100.0  # load factor of the state that proves an unbounded end, per dissipated power
 
 
 class EndStatus(Enum):
@@ -187,7 +186,7 @@ def proven_end(
             end = None
         if end is not None:
             ends.append(end)
-            if end.certificate.holds(min(_SHARP, tolerance)):
+            if end.certificate.holds(min(SHARP_END, tolerance)):
                 break
         further -= bool(ends)
         if further < 0:
@@ -249,7 +248,7 @@ def _unbounded(face: Face, sign: float, prepare: Prepare, tolerance: float) -> E
     if dual is None:
         return None
     ray, found = face.ray(dual, sign), face.point
-    reach = _FAR * kinematic_power(face.original, found)
+    reach = FAR_LOAD * kinematic_power(face.original, found)
     far = found.plus(ray, reach)
     certificate = Certificate.of(face.original, far)
     if not certificate.holds(tolerance):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from numbers import Integral
 
+from lacore.coupling.constants import LOOSEST_TOLERANCE
 from lacore.reporting.errors import (
     InputError,
     is_number,
@@ -13,7 +14,6 @@ from lacore.reporting.errors import (
 from lacore.reporting.showing import Compact
 
 STARTS = ("associated", "zero")
-_LOOSEST = 1e-3  # largest tolerance: a state with larger residuals is not a limit state
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,7 +49,7 @@ class CouplingOptions(Compact):
             )
         require_positive("tolerance", self.tolerance)
         require_count("max_iterations", self.max_iterations)
-        if self.tolerance > _LOOSEST:
+        if self.tolerance > LOOSEST_TOLERANCE:
             raise InputError(
-                "tolerance", self.tolerance, "proves nothing", f"give at most {_LOOSEST:g}"
+                "tolerance", self.tolerance, "proves nothing", f"give at most {LOOSEST_TOLERANCE:g}"
             )

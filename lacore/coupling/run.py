@@ -7,6 +7,7 @@ backend never vanish, so its loop stops when the friction bounds of a solve agre
 that it returns.
 """
 
+import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from lacore.coupling.constants import NO_CHANGE, PENALTY_SHARE
 from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.options import CouplingOptions
 from lacore.numerics.arrays import Floats
@@ -32,8 +34,6 @@ CENTRAL_PATH = "path"
 PATH_FOLLOWING = "lacore (path following)"
 """Name that results report in place of a backend for these iterates."""
 _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
-_PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 for penalties of the usual size
-_NO_CHANGE = 1e-6  # relative change of a map's argument; smaller ones do not determine a rate
 
 
 @dataclass(frozen=True, repr=False)
@@ -247,7 +247,7 @@ class Run:
         if kind in self._mapped:
             last_argument, last_image = self._mapped[kind]
             change = float(np.linalg.norm(argument - last_argument))
-            if change > _NO_CHANGE * float(np.linalg.norm(argument)):
+            if change > NO_CHANGE * float(np.linalg.norm(argument)):
                 self.rates.append(float(np.linalg.norm(image - last_image)) / change)
         self._mapped[kind] = argument, image
 
@@ -273,7 +273,7 @@ class Run:
         ]
         if not np.isnan(values.multiplier):  # it equals P + 2 C at a minimiser (T19)
             residuals.append(abs(values.multiplier - values.load_factor) / max(largest, NO_POWER))
-        meaningful = values.energy <= _PENALTY_SHARE * largest
+        meaningful = values.energy <= PENALTY_SHARE * largest
         return meaningful and all(value <= tolerance for value in residuals)
 
     def end(
@@ -361,3 +361,20 @@ class Run:
 def _none(values: list[float], largest: float) -> bool:
     """Whether the absolute values are at most `largest`; false for NaN."""
     return all(abs(value) <= largest for value in values)
+
+
+class OutOfTime(Exception):  # noqa: N818  # not an error: results found before remain
+    """The time of a search is over."""
+
+
+def until(end: float) -> Callable[[Iterate], None]:
+    """Return a function to call after each inner solve.
+
+    It raises `OutOfTime` at the first solve that ends after `end` (s, of `time.perf_counter`).
+    """
+
+    def check(_: Iterate) -> None:
+        if time.perf_counter() >= end:
+            raise OutOfTime
+
+    return check

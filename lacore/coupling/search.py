@@ -24,6 +24,7 @@ from lacore.coupling.blocks.central_path import along_path
 from lacore.coupling.blocks.complementarity import poses
 from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.coupling.certified import averaged
+from lacore.coupling.constants import ALIKE, FURTHER
 from lacore.coupling.interval import (
     End,
     EndStatus,
@@ -48,10 +49,6 @@ _SHAKEN = 0.3  # logarithmic spread of the reactions of a restart; 1 finds fewer
 _SPREADS = (0.0, 0.02, 0.02, 0.1, 0.3)  # spreads of successive attempts at an end
 _BEST = 0.1  # spread at the best end, in each restart
 _PATHS = (0.01, 0.3, 1.0)  # logarithmic spreads of the powers of the paths of each restart
-_FURTHER = 1e-7  # of the size of load factors; smaller differences are round-off of solvers
-# Differences of load factors to ignore, per tolerance and size of load factors. With deformable
-# bodies, states that are certified to 1e-6 differ by up to 3e-5 in load factor.
-_ALIKE = 100.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,7 +103,7 @@ class Search:
         rng: Random numbers for the perturbations.
         on_found: Function that is called for each certified mechanism.
         on_solve: Function that is called after each inner solve of a loop. It may end the search by
-            raising `lacore.coupling.deadline.OutOfTime`; `best` remains valid.
+            raising `lacore.coupling.run.OutOfTime`; `best` remains valid.
         seconds: Function that returns the time for a central path, s.
         best: Mechanism that reaches furthest on each side.
         solves: Number of inner solves so far, including those of the ends.
@@ -236,7 +233,7 @@ class Search:
         found = CertifiedMechanism(restart, origin, interval, iterates)
         for side in (LOW, HIGH):
             best = self.best.get(side)
-            if best is None or self._beyond(side, found.end(side), best.end(side), _FURTHER):
+            if best is None or self._beyond(side, found.end(side), best.end(side), FURTHER):
                 self.best[side] = found
         self.on_found(found)
         return found
@@ -248,7 +245,7 @@ class Search:
     @property
     def _apart(self) -> float:
         """Share of the size of load factors by which the ends of a climb must differ."""
-        return max(_FURTHER, _ALIKE * self.tolerance)
+        return max(FURTHER, ALIKE * self.tolerance)
 
     def _beyond(self, side: float, end: End, other: End, share: float) -> bool:
         """Whether an end is further out than another, by more than a share of the size."""

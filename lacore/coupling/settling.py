@@ -6,6 +6,7 @@ not, undamped K-steps jump between low load factors and damped ones drift to low
 S-steps alone stay close to their start.
 """
 
+from lacore.coupling.constants import FAST_GAP, HALVED_GAP, LONG_PATIENCE
 from lacore.coupling.freezing import pressing
 from lacore.coupling.run import Iterate, Run
 from lacore.coupling.steps import (
@@ -24,9 +25,6 @@ _UNDAMPED, _DRIFT = 10, 40  # undamped K-steps, and all K-steps; fewer do not re
 _PAIRED = (6, 10, 20, 30, 40)  # K-steps that an S-step completes to a pair
 _BATCH = 4  # undamped K-steps between two checks of their gap
 _ENOUGH = 40  # solves of a search that may end at the accepted tolerance
-_LONG = 20  # pairs without progress of an iteration whose gap rises temporarily
-_FAST = 0.4  # of the least gap: S-steps that do not reach it count as slow
-_HALF = 0.5  # of the gap at the last check: undamped K-steps continue if they reach it
 
 
 def settled(run: Run, static: ProgramState) -> Iterate | None:
@@ -37,9 +35,9 @@ def settled(run: Run, static: ProgramState) -> Iterate | None:
     begun = len(run.iterates)
     most = None if run.options.accepted is None else begun + _ENOUGH
     return (
-        alternate(run, static, "K", 0, static_alone, most, _FAST)
+        alternate(run, static, "K", 0, static_alone, most, FAST_GAP)
         or _hurried(run, static)
-        or alternate(run, closest(run, static), "K", _LONG, static_alone, most)
+        or alternate(run, closest(run, static), "K", LONG_PATIENCE, static_alone, most)
     )
 
 
@@ -47,7 +45,7 @@ def _hurried(run: Run, static: ProgramState) -> Iterate | None:
     """Take undamped K-steps from the least gap so far, as long as each check finds it halved."""
     static, least = closest(run, static), min(map(gap, s_steps(run)), default=0.0)
     reactions, step, own = pressing(run.program, static), 0, 0.0
-    while own <= _HALF * least:
+    while own <= HALVED_GAP * least:
         reactions, k = feasible_k_step(run, reactions, static, "K")
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
             return k if proves_load(run, k) else None

@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 
 from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.coupling.certified import anchored
-from lacore.coupling.deadline import OutOfTime
 from lacore.coupling.freezing import Frozen, associated, frictionless
-from lacore.coupling.run import Iterate, Run
+from lacore.coupling.run import Iterate, OutOfTime, Run
 from lacore.coupling.settling import drifted, settled
 from lacore.program.dissipation import DissipationGroup
 from lacore.program.kinematic import KinematicProgram

@@ -20,6 +20,7 @@ from contextlib import closing
 
 import numpy as np
 
+from lacore.coupling.constants import FALLING_GAP, NEAR_GAP, NO_LOAD_FACTOR, NO_REACTION
 from lacore.coupling.freezing import at_pressing, at_slip, friction_of, pressing
 from lacore.coupling.run import Iterate, Run, paired
 from lacore.numerics.arrays import Floats
@@ -27,12 +28,8 @@ from lacore.program.kinematic import associated_contact, shift_contact
 from lacore.program.state import ProgramState
 from lacore.reporting.status import Status
 
-FALLS = 0.9  # of the least gap so far: a larger gap counts as a stall
-_VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
 _SOON = 8  # solves, which a loop from the associated state usually needs
 _ROUGH_STEPS = 3  # most rough S-steps
-_NEAR = 0.01  # gap of a rough S-step, from which the next pair usually holds
-_NOISE = 3e-4  # of the largest reaction: rough solves return so much at open points
 
 Blend = Callable[[Floats, Floats, Floats], Floats]
 """Returns the next frozen reaction, given the last one and those of the S- and K-step after it."""
@@ -55,7 +52,7 @@ def alternate(
     patience: int,
     blend: Blend,
     most: int | None = None,
-    falls: float = FALLS,
+    falls: float = FALLING_GAP,
 ) -> Iterate | None:
     """Alternate K- and S-steps from a static state.
 
@@ -127,7 +124,7 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
             last = run.solve("rough S", shift_contact(rows, slip), solver=solver)
         for _ in range(_ROUGH_STEPS):
             point = last.inner.point
-            if point is None or gap(last) <= _NEAR:
+            if point is None or gap(last) <= NEAR_GAP:
                 break
             slip = np.asarray(np.linalg.norm(rows.slip(point.velocity), axis=1))
             last = run.solve("rough S", shift_contact(rows, slip), solver=solver)
@@ -135,7 +132,7 @@ def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
     if point is None:
         return None
     reactions = pressing(run.program, point)
-    return np.where(reactions > _NOISE * reactions.max(initial=0.0), reactions, 0.0)
+    return np.where(reactions > NO_REACTION * reactions.max(initial=0.0), reactions, 0.0)
 
 
 def feasible_k_step(
@@ -217,4 +214,4 @@ def vanishes(run: Run, static: ProgramState) -> bool:
     first = run.iterates[0].inner.point
     if first is None or np.any(run.program.dead_load):
         return False
-    return abs(static.load_factor) <= _VANISHED * abs(first.load_factor)
+    return abs(static.load_factor) <= NO_LOAD_FACTOR * abs(first.load_factor)

@@ -22,9 +22,8 @@ from lacore.analyses.ranges.load_factors import (
 )
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.kinds import CERTIFIED
-from lacore.coupling.run import Coupled
+from lacore.coupling.run import Coupled, OutOfTime, until
 from lacore.coupling.search import HIGH, LOW, CertifiedMechanism, Search, coulomb_bounds
 from lacore.limit.conversion import point_in_program
 from lacore.limit.judges.driven_corners import driven_corners

@@ -20,10 +20,9 @@ from lacore.analyses.ranges.load_factors import (
 )
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.kinds import CERTIFIED
 from lacore.coupling.options import CouplingOptions
-from lacore.coupling.run import Coupled, Run
+from lacore.coupling.run import Coupled, OutOfTime, Run, until
 from lacore.coupling.soil_search import SEARCHES, SoilFound, soil_bounds, soil_states
 from lacore.limit.outcome import Times, outcome_of
 from lacore.limit.solve import limit_state, solve

@@ -25,9 +25,9 @@ from time import perf_counter
 import numpy as np
 
 from lacore.coupling.blocks.complementarity import Complementarity, poses
+from lacore.coupling.constants import FALLING_GAP, NEARLY_PROVEN, PATH_END
 from lacore.coupling.run import CENTRAL_PATH, Iterate, Run
 from lacore.coupling.steps import (
-    FALLS,
     alternate,
     closest,
     least_gap,
@@ -46,11 +46,9 @@ from lacore.solvers.backend import InnerSolution, PreparedSolver
 
 _SPREADS = (0.01, 0.3, 0.3, 0.3)  # logarithmic spreads of the powers of successive paths
 _INSIDE = 1e3  # powers of the start, relative to the power that its state dissipates
-_END = 0.3  # gap at the end, relative to the tolerance
 _MOST, _ALL = 1000, 3000  # factorisations of one path, and those after which none is started
 _LARGE = 5000  # unknowns from which a solve costs as much as dozens of factorisations
 _NEARER = 10.0  # powers of a closer start, whose path is shorter but may turn more often
-_NEARLY = 10.0  # gap from which steps continue, relative to the tolerance
 _BORNE = 4  # pairs without progress of these steps
 _STOPS = (1e-2, 600), (2e-3, _MOST)  # gaps and factorisations, whichever comes first
 
@@ -97,7 +95,7 @@ def _stops(run: Run, start: ProgramState) -> Iterator[Iterate]:
 
 def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
     """Return the first place that is proven, or the state that K- and S-steps reach from one."""
-    within = _NEARLY * run.options.tolerance
+    within = NEARLY_PROVEN * run.options.tolerance
     for found in places:
         point = found.inner.point
         if point is None or run.free(found) or run.proven(found):
@@ -106,7 +104,7 @@ def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
         if closer is not None:
             return closer
         while not run.exhausted and (least := least_gap(run)) <= within:
-            within = FALLS * least  # from the same pair steps would reach the same end
+            within = FALLING_GAP * least  # from the same pair steps would reach the same end
             closer = _nearer(run, closest(run, point))
             if closer is not None:
                 return closer
@@ -142,7 +140,7 @@ def _frozen(run: Run, start: ProgramState) -> FrozenContact:
 
 def _path(run: Run, start: ProgramState, spread: float, rng: np.random.Generator) -> "Path":
     shares = np.exp(spread * rng.standard_normal(run.program.contact.count))
-    return Path(run.program, start, shares, _END * run.options.tolerance, run.time_limit)
+    return Path(run.program, start, shares, PATH_END * run.options.tolerance, run.time_limit)
 
 
 @dataclass(repr=False)

@@ -7,13 +7,12 @@ from scipy.sparse import csc_array, csr_array, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from lacore.coupling.constants import FREE_SHIFT, LEAST_PIVOT
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError
 from lacore.reporting.showing import Compact
 
-_SHIFT = 1e-13  # of the diagonal: round-off of free blocks, which nothing holds
 _PANEL = 1  # columns at once: those of a wall have little in common
-_PIVOT = 0.01  # of the largest entry: less stays on the diagonal no longer
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,7 +67,7 @@ class Pattern(Compact):
             raise SingularError("an entry of the diagonal is zero, or one of the matrix not finite")
         scale = 1 / np.sqrt(size)
         data = data * scale[self.rows] * scale[self.columns]
-        data[self.diagonal] += _SHIFT
+        data[self.diagonal] += FREE_SHIFT
         n = scale.size
         return csc_array((data, self.rows, self.starts), shape=(n, n)), scale
 
@@ -83,7 +82,7 @@ class Factor:
             self._factor = splu(
                 matrix,
                 permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=_PIVOT,
+                diag_pivot_thresh=LEAST_PIVOT,
                 panel_size=_PANEL,
                 options={"SymmetricMode": True},
             )

@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
+from lacore.coupling.constants import SLACK_SHARE
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import (
     ContactRows,
@@ -32,8 +33,6 @@ from lacore.program.power import kinematic_power
 from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.solvers.inner.own_unknown import with_own_unknown
-
-_SHARE = 0.9  # of the tolerance; the rest allows for round-off and unbalanced forces
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,7 +64,7 @@ class Slack(Compact):
             tolerance: Tolerance of the certificate.
         """
         u, rows = point.velocity, program.contact
-        gap = _SHARE * tolerance * kinematic_power(program, point)
+        gap = SLACK_SHARE * tolerance * kinematic_power(program, point)
         slip = np.asarray(np.linalg.norm(rows.slip(u), axis=1))
         dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, rows.limit)
         over = dissipated - float(program.dead_load @ u) - gap

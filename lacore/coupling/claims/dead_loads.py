@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lacore.coupling.constants import SOME_LOAD
 from lacore.numerics.arrays import Floats
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
@@ -20,8 +21,6 @@ from lacore.program.state import ProgramState
 from lacore.reporting.showing import Compact
 from lacore.solvers.backend import Prepare, checked_answer
 from lacore.solvers.inner.own_unknown import with_own_unknown
-
-_SOME = 1e-3  # share, or power of the dead load per S: smaller values are noise of a solver
 
 
 @dataclass(frozen=True, repr=False)
@@ -67,14 +66,14 @@ def prove_dead_loads(
     if point is None:
         return DeadLoadProof(None, None, np.nan)
     static, velocity = _static(point, size), point.velocity[:-1]
-    if (share := point.load_factor) > _SOME:
+    if (share := point.load_factor) > SOME_LOAD:
         equilibrium = replace(static.scaled(1 / share), velocity=np.zeros(program.n))
         seen = Certificate.of(_alone(program), equilibrium, contact)
         residual = float(np.max([seen.equilibrium, seen.yield_violation, seen.cone]))
         if residual <= tolerance:
             return DeadLoadProof(equilibrium, None, residual)
     driven = float(dead @ velocity)
-    if driven > _SOME * size:
+    if driven > SOME_LOAD * size:
         mechanism = replace(static, velocity=velocity / driven)
         residual = _mechanism_residual(program, contact, mechanism, tolerance)
         if residual <= tolerance:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, eye_array, hstack, vstack
 from scipy.sparse.linalg import lsmr
 
+from lacore.coupling.constants import CARRYING, RAY_ROUND_OFF
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_program import least
 from lacore.program.certificate import Certificate
@@ -22,9 +23,7 @@ from lacore.program.kinematic import DissipationGroup, FrozenContact, KinematicP
 from lacore.program.state import ProgramState, out_of_balance
 from lacore.reporting.showing import Compact
 
-_ROUND_OFF = 1e-12  # of all forces on a part, for sums of a thousand terms in double precision
 _SWEEPS = 2000
-_CARRIES = 1e-9  # of the largest multiplier; smaller ones are noise of the linear program
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,8 +50,8 @@ class LockingRay(Compact):
     @property
     def proves(self) -> bool:
         """Whether the load has no power at any admissible velocity; false for NaN."""
-        inside = self.residual <= _ROUND_OFF and self.beyond <= _ROUND_OFF
-        return inside and self.release < 1 - _CARRIES
+        inside = self.residual <= RAY_ROUND_OFF and self.beyond <= RAY_ROUND_OFF
+        return inside and self.release < 1 - CARRYING
 
     def __str__(self) -> str:
         return (
@@ -208,7 +207,7 @@ def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:
     if found is None:
         return None
     multipliers = found[: forces.shape[1]]
-    carries = np.abs(multipliers) > _CARRIES * np.abs(multipliers).max(initial=0.0)
+    carries = np.abs(multipliers) > CARRYING * np.abs(multipliers).max(initial=0.0)
     multipliers[~carries] = 0.0
     own = csr_matrix(forces[:, carries])
     rest = wanted - own @ multipliers[carries]

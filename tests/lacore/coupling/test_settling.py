@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lacore.coupling import settling
+from lacore.coupling import constants, settling
 
 
 class Steps:
@@ -157,7 +157,10 @@ def test_soils_settle_by_s_steps_hurry_and_then_wait(monkeypatch, accepted, most
     monkeypatch.setattr(settling, "closest", lambda run, static: "closest")
     run = SimpleNamespace(iterates=[0, 1, 2], options=SimpleNamespace(accepted=accepted))
     assert settling.settled(run, "static") is None
-    assert asked == [("static", 0, most, settling._FAST), ("closest", settling._LONG, most)]
+    assert asked == [
+        ("static", 0, most, constants.FAST_GAP),
+        ("closest", constants.LONG_PATIENCE, most),
+    ]
     for stage in ("last", "hurry", "first"):
         answers[stage] = stage
         assert settling.settled(run, "static") == stage

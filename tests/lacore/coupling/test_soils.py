@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.assembly.discretise import discretise
-from lacore.coupling.deadline import OutOfTime
 from lacore.coupling.freezing import davis
+from lacore.coupling.run import OutOfTime
 from lacore.program.kinematic import associated_contact, dimensionless
 from lacore.solvers.backend import find_backend
 from tests.lacore.models import sheared

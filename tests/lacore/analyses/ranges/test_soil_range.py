@@ -10,7 +10,7 @@ import pytest
 import lacore as la
 from lacore.analyses.ranges import soil
 from lacore.analyses.ranges.load_factors import RangeKind, about
-from lacore.coupling.deadline import OutOfTime
+from lacore.coupling.run import OutOfTime
 from lacore.coupling.soil_search import SoilFound
 from lacore.reporting.status import Status
 
