@@ -6,8 +6,9 @@ from typing import Any
 
 import lacore as la
 from lacore.solvers.compilation import SolveClock
+from lacore_verification.fuzz.checks.verdict import Judgement
 from lacore_verification.fuzz.drawn.cases import kind_of, random_numbers, recipe_of
-from lacore_verification.fuzz.examine import Judgement, examine
+from lacore_verification.fuzz.examine import examine
 from lacore_verification.harness.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 from lacore_verification.runs.outcome import NO_EVIDENCE, Outcome
 from lacore_verification.runs.row import Row
