@@ -79,7 +79,8 @@ def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Con
         length = np.linalg.norm(segments.end - segments.start, axis=0)
         weights = np.tile(length / (2 + quadratic), (2 + quadratic, 1))
     else:
-        weights = _integrals(along, sides, quadratic)
+        assert quadratic  # as spaces of curved edges and of axisymmetric bodies are
+        weights = _integrals(along, sides)
     return [
         Controls(
             along.at(s),
@@ -92,11 +93,14 @@ def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Con
     ]
 
 
-def _integrals(along: SegmentCurves, sides: Sequence[tuple[Dofs, Ints]], quadratic: bool) -> Floats:
-    """Return the integrals of Bernstein functions of start, end and middle, (2 or 3, k)."""
-    weights = np.zeros((2 + quadratic, along.first.size))
+def _integrals(along: SegmentCurves, sides: Sequence[tuple[Dofs, Ints]]) -> Floats:
+    """Return the integrals of the quadratic Bernstein functions over segments, shape (3, k).
+
+    They are those of start, end and middle.
+    """
+    weights = np.zeros((3, along.first.size))
     for s, share in zip(_PLACES, _WEIGHTS, strict=True):
-        functions = [(1 - s) ** 2, s**2, 2 * s * (1 - s)] if quadratic else [1 - s, s]
+        functions = [(1 - s) ** 2, s**2, 2 * s * (1 - s)]
         tangent = along.curves.tangent(along.parameter(s)) * (along.last - along.first)
         # Both sides have the same thickness, as axisymmetric bodies touch no others.
         length = np.linalg.norm(tangent, axis=0) * sides[0][0].thickness(along.at(s))

@@ -370,3 +370,37 @@ def test_a_node_of_a_frame_on_a_body_is_one_point_whose_tractions_are_forces():
         assert d.points.position.tolist() == [[0.5, 1.0]]
         upward = 1.0 if slave[0] == "frame" else -1.0
         assert d.points.normal[0] == pytest.approx([0.0, upward])
+
+
+def test_contact_along_a_straight_edge_and_a_curved_one_has_the_length_of_both():
+    """Half of the side is straight, and the other half a parabola."""
+    flat = la.meshes.quadrilaterals((1, 2), (0, 1), 1, 2)
+    mesh = la.meshes.isoparametric(
+        flat, lambda x: np.stack([x[0] + np.maximum(x[1] - 0.5, 0) ** 2, x[1]])
+    )
+    problem = la.Problem(
+        {"b": la.Body(mesh, CRITERION, space="q2")},
+        [la.Pressure("b", "right")],
+        interfaces=[la.Interface(("b", "left"), la.RigidObstacle(), MU)],
+    )
+    weights = la.discretise(problem).full.contact.weights
+    curved = np.sqrt(2) / 4 + np.arcsinh(1) / 4
+    assert weights.sum() == pytest.approx(0.5 + curved, abs=1e-4)
+
+
+def test_weights_of_control_values_on_a_cone_are_integrals_of_their_functions():
+    """Along a radius from 1 to 2 the area is that of a ring: (1 - s)^2, 2 s (1 - s) and s^2."""
+    problem = la.Problem(
+        {
+            "b": la.Body(
+                la.meshes.rectangle((1, 2), (0, 1), 1, 1), CRITERION, "axisymmetric", "p2-gauss"
+            )
+        },
+        [la.Pressure("b", "top")],
+        [la.Fix("b", "right", "x")],
+        [la.Interface(("b", "bottom"), la.RigidObstacle(), MU)],
+    )
+    d = la.discretise(problem)
+    found = d.full.contact.weights[np.argsort(d.points.position[:, 0])]
+    # Times the radius 1 + s.
+    assert found / found.sum() == pytest.approx(np.array([5 / 12, 1 / 2, 7 / 12]) / 1.5)

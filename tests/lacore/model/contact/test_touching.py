@@ -1,7 +1,10 @@
 """Where the sides of interfaces touch, and sides that do not touch as contact can."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lacore as la
 from lacore.model.contact import faces, patches, segments
@@ -315,7 +318,7 @@ def test_shapes_are_drawn_on_their_faces(radius):
     assert drawn[0, 0] < -1.0 < 3.0 < drawn[0, 2]
 
 
-@pytest.mark.parametrize("tip", [(1, 1), (-50, 1), (1, -80)])
+@pytest.mark.parametrize("tip", [(1, 1), (-50, 1), (1, -80), (404, 404)])
 @pytest.mark.parametrize("shift", [0.0, 100.0])
 def test_faces_of_a_wedge_are_drawn_beyond_a_box(tip, shift):
     """As far from the tip as any corner of the box, at least."""
@@ -384,3 +387,18 @@ def test_fewer_than_three_corners_are_no_outline(points):
 def test_an_obstacle_with_a_shape_has_no_part_of_a_plane(given):
     with pytest.raises(la.InputError, match="a plane and another shape"):
         la.RigidObstacle(**given, shape=la.shapes.disc((0, 0), 1))
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.1, 2.5])
+def test_faces_of_tetrahedra_touch_planes_that_are_turned_with_them(turn):
+    """Normals differ by round-off alone."""
+    cube = la.meshes.box((0, 1), (0, 1), (0, 1), 2, 2, 2)
+    rotation = Rotation.from_rotvec(turn * np.array([0.6, 0.8, 0.3])).as_matrix()
+    body = la.Body(
+        replace(cube, doflocs=rotation @ cube.p + np.array([[0.1], [0.2], [0.3]])),
+        la.VonMises(1.0),
+        "3d",
+    )
+    up = rotation[:, 2]
+    found = touching(("b", "bottom"), la.RigidObstacle((0.1, 0.2, 0.3), tuple(up)), {"b": body})
+    assert found.normal == pytest.approx(np.tile(up[:, None], found.slave.size))
