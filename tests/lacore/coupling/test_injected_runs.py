@@ -273,3 +273,48 @@ def test_hardening_has_no_bounds_and_a_free_motion_needs_none(monkeypatch):
     found, final, _ = end()
     assert found is Status.FREE
     assert final is run.iterates[1]
+
+
+def from_associated(monkeypatch, status=Status.SOLVED, point="point", proven=False, free=False):
+    """A loop whose first answer is given; its only attempt finds nothing."""
+    tried = []
+    first = SimpleNamespace(inner=SimpleNamespace(status=status, point=point))
+    anchor = first
+    if status is Status.LOCKED:
+        anchor = SimpleNamespace(inner=SimpleNamespace(status=Status.SOLVED, point=point))
+    run = SimpleNamespace(
+        program=SimpleNamespace(frictional=False),
+        solve=lambda *given, **more: first,
+        free=lambda own: free,
+        proven=lambda own: proven,
+        finish=lambda own, findings=(): ("finished", own, findings),
+        relax_tolerance=lambda: False,
+    )
+    frozen = SimpleNamespace(contact=None, program=None)
+    monkeypatch.setattr(certified, "associated", lambda program: frozen)
+    monkeypatch.setattr(certified, "anchored", lambda run: anchor)
+    monkeypatch.setattr(certified, "closest", lambda run, static: static)
+    monkeypatch.setattr(certified, "_OF_CONTACT", (lambda run, static: tried.append(static),))
+    monkeypatch.setattr(certified, "_undecided", lambda run, first: ("undecided", first, ()))
+    return first, anchor, tried, certified._from_associated(run)
+
+
+@pytest.mark.parametrize(
+    ("given", "attempts"),
+    [
+        ({}, 1),
+        ({"status": Status.LOCKED}, 1),  # from the anchor, a state of another friction
+        ({"proven": True}, 0),
+        ({"point": None}, 0),
+        ({"status": Status.TIME_LIMIT}, 0),
+        ({"free": True}, 0),
+        ({"status": Status.LOCKED, "free": True}, 0),
+    ],
+    ids=str,
+)
+def test_a_loop_attempts_nothing_after_an_answer_or_without_a_start(monkeypatch, given, attempts):
+    first, anchor, tried, (how, end, findings) = from_associated(monkeypatch, **given)
+    assert len(tried) == attempts
+    assert how == ("undecided" if attempts else "finished")
+    assert end is (first if attempts else anchor)
+    assert bool(findings) == given.get("free", False)

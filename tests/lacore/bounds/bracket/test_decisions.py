@@ -309,3 +309,49 @@ def test_growths_count_what_refinement_can_gain(monkeypatch, coulomb):
     assert [own[0] for own in asked] == [1, 2, 1]
     assert [own[2] for own in asked] == pytest.approx([first, both, 0.0])
     assert asked[0][1] == pytest.approx(run.width / 0.1)
+
+
+def track(**changes):
+    given = {"late": 0, "too_fine": False, "kinds": ("lower", "upper"), "gains": (), "rests": ()}
+    return SimpleNamespace(**(given | changes))
+
+
+@pytest.mark.parametrize(
+    ("bounds", "tracks", "ending"),
+    [
+        ((9.0, 11.0), [track()], None),
+        ((9.9, 10.1), [track()], la.Ending.REACHED),
+        ((9.0, 11.0), [track(late=500)], la.Ending.TIME_LIMIT),
+        ((-1e-5, 1e-5), [track()], la.Ending.ZERO),
+        ((-1.0, 1e-5), [track()], None),  # one side alone is next to zero
+        ((5e-5, 9e-5), [track()], None),  # small, and of a sign that is known
+        ((9.0, 11.0), [track(too_fine=True)], la.Ending.MAX_ELEMENTS),
+        ((9.0, 11.0), [track(too_fine=True), track()], None),
+        ((9.0, 11.0), [track(gains=(1.0, 0, 0, 0, 0))], la.Ending.NO_PROGRESS),
+        ((9.0, 11.0), [track(gains=(0, 0, 0))], None),
+        ((9.0, 11.0), [track(gains=(0, 0, 0, 0.1))], None),
+    ],
+)
+def test_a_bracket_ends_for_one_reason(bounds, tracks, ending):
+    """Load factors next to zero are zero only where their sign is unknown."""
+    assert run_with(*bounds).ending(tracks) is ending
+
+
+@pytest.mark.parametrize(("coulomb", "rest", "settled"), [(True, 0.2, True), (False, 0.2, False)])
+def test_friction_may_keep_bounds_apart_for_good(coulomb, rest, settled):
+    """A quarter of the target, 0.1 of 11, is left to gain on either end at most."""
+    run = run_with(9.0, 11.0, coulomb=coulomb)
+    assert (run.closed(track(rests=(rest,) * refine.RECENT)) is la.Ending.SETTLED) == settled
+    assert run.closed(track(rests=(rest, *(0.3,) * (refine.RECENT - 1)))) is None
+    assert run.closed(track(rests=(rest,) * (refine.RECENT - 1))) is None
+
+
+def test_a_failure_ends_a_bracket_unless_a_bound_was_found_before():
+    run = run_with(9.0, 11.0)
+    run.failures["upper"] = "no answer"
+    assert run.ending([track()]) is None
+    run.best["upper"] = made_up(nan, Status.NOT_CERTIFIED)
+    assert run.ending([track()]) is la.Ending.NO_BOUND
+    run.failures.clear()
+    run.absent["lower"] = run.absent["upper"] = "none on any mesh"
+    assert run.ending([track()]) is la.Ending.NO_BOUND
