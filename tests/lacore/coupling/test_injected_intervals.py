@@ -21,7 +21,7 @@ TOLERANCE = 1e-6
 
 def slack_end(monkeypatch, bound, state, sign=1.0, dual=STATE):
     """The end of a mechanism in space, whose program has a given dual solution and bound."""
-    own = SimpleNamespace(program=PROGRAM, contact=None, worth=lambda dual: 0.25)
+    own = SimpleNamespace(program=PROGRAM, contact=None, widening=lambda dual: 0.25)
     own.state = lambda dual, alpha: replace(state, load_factor=alpha)
     monkeypatch.setattr(module, "Slack", SimpleNamespace(of=lambda *given: own))
     monkeypatch.setattr(module, "_solve", lambda *given: (dual, None))
@@ -80,7 +80,7 @@ def test_a_velocity_that_is_not_admissible_bounds_nothing(monkeypatch, name):
     laws = associated_contact(d.program.contact)
     assert module._bound(d.program, laws, state, TOLERANCE) == pytest.approx(state.load_factor)
     seen = replace(certify(d.program, state), **{name: 2 * TOLERANCE})
-    monkeypatch.setattr(module, "certify", lambda *given: seen)
+    monkeypatch.setattr(module, "Certificate", SimpleNamespace(of=lambda *given: seen))
     assert np.isnan(module._bound(d.program, laws, state, TOLERANCE))
 
 
