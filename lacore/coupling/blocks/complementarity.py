@@ -186,7 +186,9 @@ class Complementarity(Compact):
             rows.weights * state.normal_reaction,
             rows.weights[:, None] * state.tangential_reaction,
         )
-        ratio = float(np.abs(p0).max()) / float(np.abs(state.velocity).max())
+        # Adhesion may carry a load without any normal forces.
+        sizes = (float(np.abs(own).max()) for own in (p0, q0, self.program.reference_load))
+        ratio = next(size for size in sizes if size > 0) / float(np.abs(state.velocity).max())
         d = p0 - ratio * rows.opening(state.velocity)
         root = np.hypot(d, 2 * np.sqrt(ratio * product))
         p = np.where(d > 0, d + root, 4 * ratio * product / (root - np.minimum(d, 0.0))) / 2

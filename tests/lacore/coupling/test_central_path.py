@@ -100,6 +100,18 @@ def test_the_start_is_inside_and_all_its_powers_are_equal(run):
     assert np.abs(across).max() <= 1e-11
 
 
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_a_start_without_normal_reactions_is_inside(run, share):
+    """Adhesion may carry the load alone; their size was the only measure of forces."""
+    found = run.iterates[0].inner.point
+    reactions = 0 * found.normal_reaction, share * found.tangential_reaction
+    point = replace(found, normal_reaction=reactions[0], tangential_reaction=reactions[1])
+    problem = Complementarity(run.program)
+    with np.errstate(all="raise", under="ignore"):
+        z = problem.start(point, np.full(run.program.contact.count, 0.01))
+    assert problem.off(z, problem.residual(z)) <= 1e-9
+
+
 def test_newton_solves_the_linearised_equations(run):
     """What a step leaves of equations that are linear but for products is its own products."""
     problem, z = inside(run)
