@@ -1,8 +1,8 @@
-"""A limit state checked anew, as it is or with parts of it replaced.
+"""Recompute the residuals of a limit state, as it is or with parts of it replaced.
 
-What a state shows, velocities, stresses, reactions and moments in SI units, goes back into the
-unknowns of its program, and all residuals are recomputed. So anyone can plant an error in a state
-and see it refused.
+The velocities, stresses, reactions and moments of a state, in SI units, are converted back to the
+unknowns of its program, and all residuals are recomputed. Users can therefore inject an error into
+a state and see that it is detected.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""States between the unknowns and units of a program and those of its problem."""
+"""Convert states between the unknowns and units of a program and those of its problem."""
 
 from dataclasses import replace
 
@@ -13,26 +13,29 @@ from lacore.program.state import ProgramState
 
 
 def in_si(scales: Scales, point: ProgramState) -> ProgramState:
-    """A state of a program in SI units, with the unknowns that the program has."""
+    """Convert a state to SI units, with the unknowns of the program."""
     load_factor, velocity = scales.load_factor, scales.velocity
     return point.scaled(scales.stress, load_factor=load_factor, velocity=velocity)
 
 
 def ray_in_si(scales: Scales, ray: Ray, point: ProgramState) -> Ray:
-    """A ray per unit of load factor or of power in SI units; its point is in SI units already."""
+    """Normalise a ray to unit load factor or power in SI units.
+
+    `point` is its state, converted by `point_in_si` and not yet normalised.
+    """
     unit = 1 / scales.load_factor
     return replace(ray, point=point.scaled(unit, load_factor=unit, velocity=unit))
 
 
 def point_in_si(discretisation: Discretisation, point: ProgramState) -> ProgramState:
-    """All unknowns and SI units, from the free unknowns in natural units."""
+    """Convert a state from the free unknowns in scaled units to all unknowns in SI units."""
     scales = discretisation.natural
     velocity = np.asarray(discretisation.free_basis @ point.velocity) * scales.velocity
     return replace(in_si(scales, point), velocity=velocity)
 
 
 def point_in_program(discretisation: Discretisation, point: ProgramState) -> ProgramState:
-    """The inverse of `point_in_si`, to round-off."""
+    """Invert `point_in_si`, up to round-off."""
     scales, basis = discretisation.natural, discretisation.free_basis
     free = spsolve(csc_matrix(basis.T @ basis), basis.T @ point.velocity)
     velocity = np.atleast_1d(free) / scales.velocity

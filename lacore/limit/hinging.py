@@ -1,10 +1,10 @@
-"""Nodes where the moments of members under loads along them peak: there hinges form.
+"""Add nodes at the peaks of moments in loaded members, so that hinges can form there.
 
-Hinges form at nodes only. Between the places where it is joined or held, a member under a load
-along it has one node midway at first, so that it can break; then nodes where the moments of a state
-exceed the plastic moment, until they exceed it nowhere. Each such state is an upper bound, and its
-load over the largest excess a lower one. With the node off the peak by e the load factor is off by
-O(e^2), and so is the next node: a few rounds give all digits, as Newton's method would.
+Hinges form at nodes only. A member with a load along it first gets one node midway between the
+places where it is connected or supported. Then it gets nodes where the moments of a state exceed
+the plastic moment, until they exceed it nowhere. Each of these states is an upper bound, and its
+load divided by the largest excess is a lower bound. A distance e of the node from the peak gives an
+error O(e^2) of the load factor and of the next node, so a few iterations give full accuracy.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The interval of a state of a problem, in its own units (T14b a)."""
+"""Interval of load factors of a state of a problem, in SI units (T14b a)."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -25,13 +25,13 @@ def interval_of_state(
     options: Mapping[str, Any],
     tolerance: float,
 ) -> Interval:
-    """The interval of the mechanism of a state of a problem, all in SI units.
+    """Compute the interval of the mechanism of a state of a problem, all in SI units.
 
-    Of a state that is none of Coulomb (regularised, associated) nothing is certified.
+    Its ends are not certified if the state is not a Coulomb state (regularised, associated).
 
     Raises:
-        InputError: a state within a step of a path: how fast it moves is given there; soils whose
-            flow is not associated.
+        InputError: The state belongs to a step of a path, which has a given speed, or a soil has
+            non-associated flow.
     """
     require_homogeneous(
         discretisation.program,
@@ -54,7 +54,7 @@ def interval_of_state(
 
 
 def _in_si(discretisation: Discretisation, interval: Interval, state: ProgramState) -> Interval:
-    """An interval of the dimensionless program as one of its problem, about a state of it."""
+    """Convert an interval of the dimensionless program to SI units; it contains a given state."""
     scale = discretisation.natural.load_factor
     ends = []
     for sign, end in ((-1.0, interval.lower), (1.0, interval.upper)):

@@ -1,9 +1,9 @@
-"""A problem with more ground beyond a side that holds it: what a box costs is asked, not guessed.
+"""Compute how much a fixed side of a soil raises the load factor, with a larger mesh.
 
-On coarse meshes any motion ends in the last element, and speeds do not tell whether a box is too
-small (`lacore.limit.judges.reached`). The same mesh with one row of elements more does: velocities
-of the problem are velocities of the larger one, too, so that it carries no more, and less where the
-box holds a mechanism back.
+On coarse meshes all motion ends in the last element, so speeds do not show whether a box is too
+small (`lacore.limit.judges.reached`). The same mesh with an additional row of elements does. All
+velocities of the problem are possible in the larger one, so its load factor is not higher, and it
+is lower if the side restrains the mechanism.
 """
 
 from collections.abc import Callable, Mapping, Set
@@ -29,10 +29,10 @@ from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity
 
 _DEPTH = 0.2  # of the body across the side: the row of elements beyond
-# Of the load factor. From 180 elements on, footings whose box ends a fifth before their mechanism
-# carry 3.8 to 8 % less with the row, those of boxes of cases 2.8 % at most.
+# Of the load factor. From 180 elements on, the row reduces the load of footings whose box ends a
+# fifth before their mechanism by 3.8 to 8 %, and that of the boxes of cases by at most 2.8 %.
 _LESS = 0.035
-_ENOUGH = 180  # elements; on fewer 9 % less came out where a box was large enough
+_ENOUGH = 180  # elements; on fewer the reduction was 9 % although a box was large enough
 _FLAT = 1e-9  # of the size of a body: vertices on one line
 
 
@@ -47,11 +47,11 @@ def held_back(
     Only those sides are checked next to which elements are too large to tell from speeds.
 
     Args:
-        discretisation: of the problem.
-        velocity: all unknowns, shape (n,).
-        solved: finds the load factor of a problem with flow of soils and contact associated, NaN
-            where it has none.
-        load: that of the problem itself, where it is known.
+        discretisation: Discretisation of the problem.
+        velocity: Velocity of all unknowns, shape (n,).
+        solved: Function that returns the load factor of a problem with associated flow and contact,
+            or NaN without one.
+        load: Load factor of the problem itself, if it is known.
     """
     found = []
     problem = discretisation.problem
@@ -73,7 +73,7 @@ def _less(
     solved: Callable[[Problem], float],
     load: float | None,
 ) -> float:
-    """Share of the load that the larger problem carries less; on finer meshes while it is much."""
+    """Return the relative reduction of the load by the row, on finer meshes while it is large."""
     while True:
         load = solved(problem) if load is None else load
         less = 1 - solved(larger) / load if load > 0 else 0.0
@@ -96,19 +96,19 @@ def _finer(problem: Problem, body: str) -> Problem:
 
 
 def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem | None:
-    """The problem with a row of elements beyond a straight side of a body, which it holds there.
+    """Return the problem with a row of elements beyond a fixed straight side of a body.
 
-    Regions, fields and body forces go on into it, and so do supports and dead loads of the sides
-    beside it.
+    The outer side of the row is fixed instead. Regions, fields and body forces continue into the
+    row, and so do supports and dead loads of the adjacent sides.
 
     Args:
-        problem: the problem.
-        support: of all of the side.
-        step: across the row, normal to the side, m, shape (2,).
+        problem: The problem.
+        support: Support of the whole side.
+        step: Vector across the row, normal to the side, m, shape (2,).
 
     Returns:
-        None where the body goes on beside the row, where the reference load or contact comes to the
-        side, and where values are given element by element or vertex by vertex.
+        None if the body extends next to the row, if the reference load or contact touches the
+        side, or if values are given element by element or vertex by vertex.
     """
     body = _body(problem, support.body)
     if type(body.mesh) is not MeshTri1:
@@ -119,15 +119,15 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
     if height.max() - height[held].min() > _FLAT * body.size:
         return None
     parts: dict[str, Ints] = {}
-    going_on: set[str] = set()
+    continued: set[str] = set()
 
-    def moved(part: Any, goes_on: bool) -> Any:
+    def moved(part: Any, continues: bool) -> Any:
         if part.body != support.body or part.boundary is None:
             return part
         name = f"part {len(parts)}"
         parts[name] = facets_of(part, body)
-        if goes_on:
-            going_on.add(name)
+        if continues:
+            continued.add(name)
         return replace(part, where=name)
 
     def turned(own: Any) -> Any:
@@ -148,7 +148,7 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
     supports = [moved(own, True) for own in problem.supports]
     dead = [moved(load, True) for load in problem.dead_loads]
     try:
-        longer = _with_row_beyond(mesh, facets, step, parts, going_on)
+        longer = _with_row_beyond(mesh, facets, step, parts, continued)
         bodies = {**problem.bodies, support.body: replace(body, mesh=longer)}
         return Problem(bodies, live, supports, interfaces, dead)
     except InputError:
@@ -156,19 +156,18 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
 
 
 def _with_row_beyond(
-    mesh: MeshTri, facets: Ints, step: Floats, parts: Mapping[str, Ints], going_on: Set[str]
+    mesh: MeshTri, facets: Ints, step: Floats, parts: Mapping[str, Ints], continued: Set[str]
 ) -> MeshTri:
-    """The mesh with a row of crossed quadrilaterals beyond facets of its boundary.
+    """Return a mesh with a row of crossed quadrilaterals beyond facets of its boundary.
 
-    Vertices and elements of the mesh come first. Regions go on into the row.
+    Vertices and elements of the mesh come first. Regions continue into the row.
 
     Args:
-        mesh: straight-edged triangles.
-        facets: a side of it.
-        step: from the side across the row, m, shape (2,).
-        parts: facets of the boundary by the name that they get; what lies on the side moves across
-            the row.
-        going_on: names of parts that go on along the ends of the row, where they end there.
+        mesh: Straight-edged triangles.
+        facets: Facets of one side.
+        step: Vector from the side across the row, m, shape (2,).
+        parts: Facets of the boundary by their new names; those on the side move across the row.
+        continued: Names of parts that continue along the ends of the row if they end there.
     """
     side = np.unique(mesh.facets[:, facets])
     across = dict(
@@ -198,7 +197,7 @@ def _with_row_beyond(
         pairs = [frozenset(pair) for pair in mesh.facets[:, np.setdiff1d(own, facets)].T.tolist()]
         moved = mesh.facets[:, np.intersect1d(own, facets)].T.tolist()
         pairs += [frozenset(across[vertex] for vertex in pair) for pair in moved]
-        if name in going_on:
+        if name in continued:
             beside = np.intersect1d(mesh.facets[:, np.setdiff1d(own, facets)], ends)
             pairs += [frozenset((vertex, across[vertex])) for vertex in beside.tolist()]
         names[name] = np.array([number[pair] for pair in pairs], dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The outcome of a solve: what a loop found and what is proven of it, before it is judged."""
+"""The outcome of a solve: the result of a loop and its proof, before it is judged."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Proof:
-    """What is proven in place of a claim of a loop.
+    """Proof of a status that a loop claims, or of the one in its place.
 
     Attributes:
         status: The claim, what is proven instead, or NOT_CERTIFIED.
@@ -58,7 +58,7 @@ class Proof:
 
 @dataclass(frozen=True, repr=False)
 class Outcome(Compact):
-    """What a solve found, and what is proven of it.
+    """Result of a solve and its proof, before it is judged.
 
     Attributes:
         discretisation: The problem that was solved.

@@ -26,8 +26,8 @@ from lacore.reporting.status import Status
 from lacore.solvers.isolation import SolverProcess
 
 TOLERANCE = 1e-6
-ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
-SOLVES_IN_SPACE = 300  # of the loops: domes and vaults need ten times what walls do
+ACCEPTED = 5e-5  # for soils with non-associated flow: relative to the dissipated power (T53, T58)
+SOLVES_IN_SPACE = 300  # solves of a loop: domes and vaults need ten times as many as walls
 
 
 @renamed_argument("pressed", "normal_reaction")
@@ -49,38 +49,39 @@ def solve(
     normal_reaction: Floats | None = None,
     slip: Floats | None = None,
 ) -> LimitState:
-    """Collapse load and mechanism of a problem.
+    """Compute the collapse load and the mechanism of a problem.
 
     Args:
-        problem: the problem, or its discretisation where several backends share it.
-        backend: a name from `lacore.backend_names()`.
-        coupling: a loop for Coulomb friction, ``certified`` (the default, T12), ``reaction`` (T9;
-            the default and only one of regularised backends), or ``shift`` (T10);
-            or one solve of another problem: ``associated``, friction made associated, or ``stick``,
-            no slip, both upper bounds of every Coulomb load factor, or ``frictionless``, a lower
-            one (T14); of those of the discrete problem, where bodies deform; or ``davis``,
-            associated flow with Davis's reduced strength of soils (T55), no bound of anything.
-        start: of the other loops, reactions: ``associated`` ones (T14), or ``zero``.
-        damping: of these, share of the new reactions in the next ones, above 0, at most 1.
-        anderson: of these, depth of Anderson's acceleration, 0 for none.
-        tolerance: bar for the residuals of the certificate, of all loops; None: 1e-6, and of soils
-            whose flow is not associated 5e-5 where that is not reached soon (T58).
-        max_iterations: of all loops; None: 100, and 300 of blocks in space, which need more (T74).
-        options: of the backend, by name.
-        on_iterate: called after each inner solve, for progress.
-        throw: raise `SolveError` unless the status is SOLVED; else return the state as it is.
-        process: Let the backend work in this process, which survives neither hanging nor crashing
-            of it, but everything else does. Without it, a backend of another package, and one
-            that asks for isolation, works in a process that is kept for it; any other works here.
-        normal_reaction: at the contact points of a state nearby, Pa, within a step of a path: its
-            ``certified`` loop begins there. What is certified does not depend on it.
-        slip: slip rates there, m/s at ``F0.u = 1``, of a state that is less near, as of the step
-            before: the rough solves that find reactions begin with them.
+        problem: The problem, or its discretisation if several backends share it.
+        backend: A name from `lacore.backend_names()`.
+        coupling: A loop for Coulomb friction: ``certified`` (the default, T12), ``reaction`` (T9;
+            the default and the only loop of regularised backends) or ``shift`` (T10). Or one solve
+            of another problem: ``associated`` (associated friction) or ``stick`` (no slip), both
+            upper bounds of every Coulomb load factor, or ``frictionless``, a lower bound (T14).
+            With deformable bodies these are bounds for the discrete problem. Or ``davis``,
+            associated flow with Davis's reduced strength of soils (T55), which is not a bound.
+        start: First reactions of ``reaction`` and ``shift``: ``associated`` (T14) or ``zero``.
+        damping: Share of the new reactions in the next ones of these loops, above 0, at most 1.
+        anderson: Depth of Anderson acceleration of these loops, 0 for none.
+        tolerance: Tolerance for the residuals of the certificate, for all loops. None: 1e-6, or
+            5e-5 for soils with non-associated flow if 1e-6 is not reached soon (T58).
+        max_iterations: Largest number of solves of a loop. None: 100, or 300 for three-dimensional
+            blocks, which need more (T74).
+        options: Options of the backend, by name.
+        on_iterate: Function that is called after each inner solve, for progress.
+        throw: Raise `SolveError` unless the status is SOLVED; else return the state as it is.
+        process: Process in which the backend works. If the backend hangs or crashes, only this
+            process ends. Without it, a backend of another package, and one that requests
+            isolation, works in a process that is kept for it; any other works in this process.
+        normal_reaction: Normal reactions, Pa, of another state of the same step of a path, at which
+            the ``certified`` loop starts. The certificate does not depend on it.
+        slip: Slip rates, m/s at ``F0.u = 1``, of the step before, at which the rough solves for
+            these reactions start.
 
     Raises:
-        InputError: an unknown name or an option out of range, before any solve.
-        CapabilityError: the backend is missing, or cannot take the problem.
-        SolveError: see `throw`.
+        InputError: A name is unknown or an option is out of range.
+        CapabilityError: The backend is missing, or does not support the problem.
+        SolveError: See `throw`.
 
     Example:
         >>> state = la.solve(la.examples.column(friction=0.3))

@@ -53,10 +53,10 @@ class SpanMoments:
         return np.nan_to_num(np.abs(self.at(self.peaks[:, None])[:, 0]), nan=0.0)
 
     def use(self, frame: Frame) -> tuple[Floats, Floats]:
-        """How far sections are used inside, at most, and where, as shares of the length: (P,) each.
+        """Return the largest use of sections inside pieces, and its place per length: (P,) each.
 
-        The use is 1 where a section yields; 0, at NaN, where nothing peaks inside. Where N and M
-        interact it peaks beside the moment if N changes along the piece.
+        The use is 1 if a section yields, and 0 at NaN without a peak inside. With interaction of N
+        and M, its peak is not that of the moment if N varies along the piece.
         """
         place = self.peaks
         used, sagging = np.zeros(place.size), -self.at(place[:, None])

@@ -1,10 +1,9 @@
-"""Whether a structure stands without its reference load, and for which load factors it holds.
+"""Prove whether a structure stands under its dead loads, and which load factors it carries.
 
-A load factor is *carried* where stresses and reactions are in equilibrium with it and with the dead
-loads, within all strengths and friction cones. What is carried is convex: with two load factors all
-between them are. Outside nothing keeps equilibrium, whatever the friction does. With Coulomb
-friction, which is not associated, a load that is carried may still have mechanisms (T14b): that it
-stands means that it can, not that it must.
+A load factor is *carried* if stresses and reactions within all strengths and friction cones are in
+equilibrium with it and with the dead loads. The carried load factors form an interval. Outside it
+no equilibrium exists, whatever the friction is. With Coulomb friction, which is non-associated, a
+carried load may still have mechanisms (T14b), so the structure can stand but need not.
 """
 
 from __future__ import annotations
@@ -45,24 +44,25 @@ Verdict = tuple[Standing, tuple[Finding, ...]]
 Conclude = Callable[[Standing, tuple[Finding, ...]], Verdict]
 """Returns the verdict to report, given what is proven of the discrete problem."""
 
-_SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
+_SAME = 1e-6  # relative: closer load factors are equal within the tolerance
 
 
 @dataclass(frozen=True, repr=False)
 class Stability(Shown):
-    """What is proven of a structure under its dead loads, and under loads that hold it.
+    """Proven behaviour of a structure under its dead loads, and the load factors that it carries.
 
     Attributes:
-        standing: under the dead loads alone.
-        low, high: ends of the load factors that are proven to be carried; NaN where none is. Of a
-            structure that stands 0 is one end and the load factor of the state the other; of one
-            that falls there is proven to be none between 0 and these.
-        side: on which side of the load factor of the state loads are carried: ``below``, ``above``,
-            ``both``; empty where nothing is proven.
-        point: SI units: where it stands, stresses and reactions under the dead loads alone, without
-            a velocity; where it falls, the mechanism, at ``Fd.u = 1``. None where undecided.
-        residual: largest one of that proof; NaN where undecided.
-        findings: Why it is not decided, or for what it is proven.
+        standing: Behaviour under the dead loads alone.
+        low, high: Ends of the load factors that are proven to be carried; NaN without any. If the
+            structure stands, they are 0 and the load factor of the state. If it collapses, no load
+            factor between 0 and these is carried.
+        side: Side of the load factor of the state on which loads are carried: ``below``, ``above``
+            or ``both``; empty if nothing is proven.
+        point: State in SI units: stresses and reactions under the dead loads alone, without a
+            velocity, if the structure stands; the mechanism, at ``Fd.u = 1``, if it collapses. None
+            if this is undecided.
+        residual: Largest residual of that proof; NaN if undecided.
+        findings: Why it is undecided, or the conditions of the proof.
     """
 
     standing: Standing
@@ -75,20 +75,20 @@ class Stability(Shown):
 
     @property
     def why(self) -> str:
-        """Text of the findings: why it is not decided, or for what it is proven; may be empty."""
+        """Text of the findings: why it is undecided, or conditions of the proof; may be empty."""
         return texts(self.findings)
 
     def facts(self) -> Facts:
-        """What is proven, and how well."""
-        told = {"why": self.why} if self.why else {}
-        told["carried"] = f"load factors {self.low:.7g} to {self.high:.7g}"
+        """Return the proven behaviour and the residual of the proof."""
+        facts = {"why": self.why} if self.why else {}
+        facts["carried"] = f"load factors {self.low:.7g} to {self.high:.7g}"
         if np.isnan(self.low):
-            told["carried"] = "no load factor is proven to be"
-        told["residual"] = f"largest {self.residual:.1e}"
-        return Facts(f"Stability: {self.standing.label}: {self.standing.value}", told)
+            facts["carried"] = "no load factor is proven to be"
+        facts["residual"] = f"largest {self.residual:.1e}"
+        return Facts(f"Stability: {self.standing.label}: {self.standing.value}", facts)
 
     def text_for(self, reader: Reader) -> str:
-        """Return what is proven, for a reader, without the label."""
+        """Return the proven behaviour for a reader, without the label."""
         why = texts(self.findings, reader)
         return f"{self.proven} ({why})" if why else self.proven
 
@@ -97,7 +97,7 @@ class Stability(Shown):
 
     @property
     def proven(self) -> str:
-        """What is proven, without the findings."""
+        """Proven behaviour, without the findings."""
         return f"{self.standing.value}{self._carried}"
 
     @property
@@ -122,22 +122,24 @@ def stability_of(
     load_factor: float,
     conclude: Conclude = lambda *proven: proven,
 ) -> Stability:
-    """What is proven of the problem that a state answers.
+    """Prove whether a structure stands under its dead loads, and which load factors it carries.
 
-    One conic program where the dead loads are carried, up to four where they are not.
+    It solves one conic program if the dead loads are carried, and up to four if they are not.
 
     Args:
-        discretisation: of the problem.
-        backend, options: of the state; a regularised backend is replaced by an exact one.
-        coupling: of the state: by its laws reactions are admissible.
-        tolerance: bar for all residuals.
-        load_factor: of the state, where its own stresses and reactions prove that it is carried;
-            +inf of a load that is locked; NaN of any other.
-        conclude: returns the verdict to report, given what is proven of the discrete problem.
+        discretisation: Discretisation of the problem.
+        backend, options: Backend and options of the state; a regularised backend is replaced by an
+            exact one.
+        coupling: Coupling of the state, whose laws define admissible reactions.
+        tolerance: Tolerance for all residuals.
+        load_factor: Load factor of the state, if its own stresses and reactions prove that it is
+            carried; +inf for a locked load; NaN otherwise.
+        conclude: Function that returns the verdict to report, given what is proven of the discrete
+            problem.
 
     Raises:
-        InputError: a state within a step of a path: how fast it moves is given there.
-        CapabilityError: the exact backend is missing.
+        InputError: The state belongs to a step of a path, which has a given speed.
+        CapabilityError: The exact backend is missing.
     """
     require_homogeneous(
         discretisation.program,
@@ -148,7 +150,7 @@ def stability_of(
         backend, options, load_factor = PROVING_BACKEND, {}, np.nan
     scaled = dimensionless(discretisation.program, discretisation.natural)
     kind = COUPLINGS[coupling]
-    program = kind.program_of(scaled).associated()  # what is carried asks for no flow
+    program = kind.program_of(scaled).associated()  # carried loads do not depend on flow
     rows = program.contact
     laws = kind.laws_of(rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
@@ -208,7 +210,7 @@ def _carried_ends(
     prepare: Prepare,
     tolerance: float,
 ) -> list[float]:
-    """The largest and the smallest load factor that are carried, SI, as far as they are proven."""
+    """Return the largest and the smallest load factor proven to be carried, in SI units."""
     ends = []
     for sign in (1.0, -1.0):
         driven = replace(program, reference_load=sign * program.reference_load)
@@ -233,7 +235,7 @@ def _endless(
     prepare: Prepare,
     tolerance: float,
 ) -> bool:
-    """Whether reactions carry the reference load alone, with no strength called on."""
+    """Whether reactions carry the reference load alone, without using any strength."""
     rows = program.contact
     unlimited = np.isinf(laws.bound)
     bare = replace(

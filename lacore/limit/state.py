@@ -47,36 +47,35 @@ class LimitState(Reported):
     """A plastic collapse state, or the reason why there is none.
 
     Attributes:
-        status: how the solve ended; its value says what to do.
-        load_factor: alpha. NaN unless `status` is SOLVED (then the residuals prove it) or LOCKED
-            (then +inf).
-        rigor: what the load factor proves.
-        backend, coupling: names.
-        answered_by: Who found the state: the backend, or `lacore.coupling.run.PATH_FOLLOWING`, or
-            both, where the velocity is that of one and the reactions are those of the other.
-        certificate: recomputed residuals of the state; None where there is no state.
-        contraction: last ratio seen between a change of what the loop froze (reactions, slip
-            rates) and the change that it made: below 1 the plain iteration converges, at 1 it jams
-            (T11); NaN where two different ones were not seen.
-        bracket: load factors that enclose every Coulomb one (T14), where a loop found none that it
-            could certify; -inf and +inf where nothing is known. None elsewhere. Where bodies
-            deform, those of the discrete problem: the lower end may lie above the load factors of
-            the continuum, which `lacore.bracket` encloses.
-        regularised: the values of T19 (regularised backends), as load factors.
-        history: one row an inner solve: load factor, residuals, statuses, times.
-        build_time, solve_time: s, wall clock: assembly, and everything after it but compilation.
-        compile_time: s, in which this solve started the process of a backend and let it compile; 0
-            if that was done before.
-        options: of the backend, as they were given.
-        tolerance: bar for the residuals.
-        findings: What else there is to report, see `lacore.reporting.findings`; `message` is their
-            text.
-        discretisation: the assembled problem.
-        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa, t_n with
-            `ContactRows.tension`); None where there is no state. For a status other than SOLVED it
-            is the last iterate, for inspection only; for UNSAFE the mechanism by which the dead
-            loads fall, at ``Fd.u = 1``, with what carries the largest share of them.
-        ray: what proves LOCKED or UNSAFE, SI units, with its residuals, recomputed; None else.
+        status: How the solve ended; its value explains what to do.
+        load_factor: Load factor. NaN unless `status` is SOLVED (then the residuals prove it) or
+            LOCKED (then +inf).
+        rigor: What the load factor proves.
+        backend, coupling: Names of the backend and the coupling.
+        answered_by: Solver that found the state: the backend, `lacore.coupling.run.PATH_FOLLOWING`,
+            or both, if the velocity is from one and the reactions are from the other.
+        certificate: Recomputed residuals of the state; None without a state.
+        contraction: Last ratio of the change of computed to frozen reactions or slip rates. Below 1
+            the plain iteration converges, at 1 it stalls (T11). NaN without two different values.
+        bracket: Load factors that enclose every Coulomb load factor (T14), if a loop certified
+            none; -inf and +inf if nothing is known. None otherwise. With deformable bodies they
+            belong to the discrete problem: the lower end may exceed the load factors of the
+            continuum, which `lacore.bracket` encloses.
+        regularised: Values of T19 (regularised backends), as load factors.
+        history: One row per inner solve: load factor, residuals, statuses, times.
+        build_time, solve_time: Wall-clock times of the assembly and of the rest without
+            compilation, s.
+        compile_time: Time to start the process of a backend and to compile it, s; 0 if that was
+            done before.
+        options: Options of the backend, as they were given.
+        tolerance: Tolerance for the residuals.
+        findings: Further findings, see `lacore.reporting.findings`; `message` is their text.
+        discretisation: The assembled problem.
+        point: Velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa) and reactions (Pa, t_n
+            with `ContactRows.tension`); None without a state. For a status other than SOLVED it is
+            the last iterate, for inspection only. For UNSAFE it is the mechanism that the dead
+            loads drive, at ``Fd.u = 1``, with the stresses that carry the largest share of them.
+        ray: Proof of LOCKED or UNSAFE, in SI units, with recomputed residuals; None otherwise.
     """
 
     status: Status
@@ -105,10 +104,10 @@ class LimitState(Reported):
 
     @property
     def program(self) -> KinematicProgram:
-        """The program for all unknowns, SI units, that the state answers, as it is at the state.
+        """Program of the state for all unknowns, in SI units, evaluated at the state.
 
-        With the yield stresses that hardening makes, the friction of soils at their pressure, and
-        of other couplings the strengths that they take.
+        It contains the yield stresses after hardening, the friction of soils at their pressure, and
+        the strengths that the coupling uses.
         """
         point = self._point()
         program = COUPLINGS[self.coupling].program_of(self.discretisation.full)
@@ -116,22 +115,22 @@ class LimitState(Reported):
 
     @property
     def outer_iterations(self) -> int:
-        """Inner solves of the coupling loop."""
+        """Number of inner solves of the coupling loop."""
         return len(self.history)
 
     @property
     def peak_memory(self) -> float:
-        """Largest resident memory of the backend's process, MB; NaN where it had none."""
+        """Largest resident memory of the backend's process, MB; NaN without such a process."""
         return float(self.history["peak_memory"].max())
 
     @property
     def velocity(self) -> dict[str, Floats]:
-        """Velocity by body, at ``F0.u = 1`` (UNSAFE: ``Fd.u = 1``): only its shape has a meaning.
+        """Velocity by body, at ``F0.u = 1`` (UNSAFE: ``Fd.u = 1``); its magnitude has no meaning.
 
-        Of a continuum at its nodes (`BodyDofs.nodes`), shape (2, nodes), m/s. Of
-        rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,
-        shape (3, blocks); in space u_x, u_y, u_z and the rotation rates about x, y, z, (6, blocks).
-        Of a frame the same of its nodes, shape (3, nodes).
+        Continua have velocities at their nodes (`BodyDofs.nodes`), shape (2, nodes), m/s. Rigid
+        blocks have u_x, u_y of the centroid, m/s, and the anticlockwise rotation rate, rad/s, shape
+        (3, blocks); three-dimensional ones u_x, u_y, u_z and rotation rates about x, y, z, shape
+        (6, blocks). Frames have the same at their nodes, shape (3, nodes).
         """
         u = self._point().velocity
         nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.continua.items()}
@@ -194,12 +193,13 @@ class LimitState(Reported):
     def hinges(self) -> pd.DataFrame:
         """Potential plastic hinges of frames: place, moment and M_p (N), rotation rate (rad/s).
 
-        One row an end of a rigid piece that carries moment, two where a member goes through a
-        node. The moment is that of the member on its node, the rotation rate (at ``F0.u = 1``) that
-        of the member against its node, both anticlockwise: a hinge dissipates their product. Where
-        equal members meet, any split of the rotation between their ends is as good. Of members
-        that yield to axial force that (N/m, tension positive), its limit and the rate of elongation
-        (m/s) stand there, too; bars have no node. `state`: ``turns``, ``stretches`` or ``rests``.
+        The table has one row per end of a rigid piece that carries moment, and two where a member
+        passes through a node. The moment is that of the member on its node, the rotation rate (at
+        ``F0.u = 1``) that of the member relative to its node, both anticlockwise: a hinge
+        dissipates their product. If equal members meet, the split of the rotation between their
+        ends is arbitrary. Members that yield to axial force also have that force (N/m, tension
+        positive), its limit and the rate of elongation (m/s). Bars have no node. `state` is
+        ``turns``, ``stretches`` or ``rests``.
         """
         point, frames = self._point(), self.discretisation.frames
         rest = RESTING * float(np.abs(point.velocity).max(initial=0.0))
@@ -216,19 +216,17 @@ class LimitState(Reported):
     def reactions(self) -> pd.DataFrame:
         """Contact points: place, length, tractions on the slave (Pa), velocities, stick/slip/open.
 
-        Joints of blocks in space that crush have a state ``crush``, where ``u_n < 0``.
+        Crushing joints of three-dimensional blocks have the state ``crush``, with ``u_n < 0``.
 
-        `slave` and `master` are the names of what touches: of assemblies that of the block, of
-        other bodies their own, or "obstacle"; the normal points from the master into the slave.
-        `length` is the share of the edge that a point stands for, m; of axisymmetric bodies that
-        of the surface, m^2: times tractions it makes forces.
-        Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
-        the step does not close is open, though it may approach (``u_n < 0``).
-        ``t_n > 0`` is compression, of a body with water in its pores that of the skeleton (T64);
-        the tangent is the normal turned by +90 degrees, and of blocks in space tangential tractions
-        and velocities are vectors, `t_t_x`, `t_t_y`, `t_t_z`, and `length` is `area`, m^2.
-        Pressures oscillate from point to point;
-        sums and averages are what to trust.
+        `slave` and `master` are the names of the blocks or bodies that touch, or "obstacle". The
+        normal points from the master into the slave, and the tangent is the normal turned by +90
+        degrees. `length` is the part of the edge that a point represents, m, or of the surface of
+        axisymmetric bodies, m^2; tractions times `length` are forces. For three-dimensional blocks
+        `area`, m^2, replaces it, and tangential tractions and velocities are vectors `t_t_x`,
+        `t_t_y`, `t_t_z`. ``t_n > 0`` is compression, that of the skeleton for a body with pore
+        water (T64). Along a path `gap` is the distance from the obstacle at the start of the step,
+        m; a point that the step does not close is open, although it may approach (``u_n < 0``).
+        Pressures oscillate from point to point, so use their sums and averages.
         """
         return contact_table(self.discretisation, self._point())
 
@@ -243,25 +241,25 @@ class LimitState(Reported):
         hinges: Table | None = None,
         point: ProgramState | None = None,
     ) -> Certificate:
-        """Residuals, recomputed from the state as it is stored, or with parts of it replaced.
+        """Recompute the residuals of the stored state, or of one with parts of it replaced.
 
-        No solver is asked. ``state.certify(load_factor=1.01 * state.load_factor)`` shows how an
-        error is seen; ``.holds(state.tolerance)`` judges. By the laws of the coupling:
-        ``associated``, ``frictionless`` and ``stick`` answer other problems than the one stated.
+        This needs no solver. ``state.certify(load_factor=1.01 * state.load_factor)`` shows that an
+        error is detected, with ``.holds(state.tolerance)``. The laws are those of the coupling:
+        ``associated``, ``frictionless`` and ``stick`` solve other problems than the given one.
 
         Args:
-            load_factor: in place of `load_factor`.
-            velocity: in place of that of some bodies, as `velocity` shows it. Footings move with
-                their nodes; what supports or rigid members forbid counts as penetration.
-            stress: in place of that of some continua, as `stress` shows it. What no
-                strain rate of the body feels counts as flow that is not normal.
-            reactions: a copy of `reactions` with other `t_n` and `t_t`; nothing else is read.
-            hinges: a copy of `hinges` with another `moment`; nothing else is read.
-            point: in place of `point`, with a load factor of its own: all unknowns, SI units.
+            load_factor: Replaces `load_factor`.
+            velocity: Replaces `velocity` of some bodies. Footings move with their nodes. Motion
+                that supports or rigid members prevent counts as penetration.
+            stress: Replaces `stress` of some continua. A part without power at all strain rates of
+                the body counts as violation of normality.
+            reactions: A copy of `reactions` with other `t_n` and `t_t`; nothing else is read.
+            hinges: A copy of `hinges` with another `moment`; nothing else is read.
+            point: Replaces `point`, with its own load factor, for all unknowns in SI units.
 
         Raises:
-            InputError: a name, a shape or a table that is not one of this state.
-            ValueError: there is no state.
+            InputError: A name, a shape or a table does not belong to this state.
+            ValueError: There is no state.
         """
         stored = self._point()
         if np.isfinite(self.load_factor):

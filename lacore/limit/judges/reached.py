@@ -1,4 +1,4 @@
-"""Whether a mechanism comes to where its body is held: a box that is too small."""
+"""Check whether a mechanism reaches the supports of its body, because the mesh is too small."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -18,31 +18,32 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 
-# Of the size of a body: motion this far from where it is held is motion at it.
+# Distance from a support, per size of the body, at which motion counts as motion at the support.
 _NEAR = 0.02
-# Of the largest speed. Footings in boxes with a tenth to spare come to 0.12 on 40 to 1920 elements,
-# in boxes that take 5 % more load to 0.11 on 160 of them, 0.13 on 576 and 0.2 on 1920.
+# Of the largest speed. It is 0.12 for footings in boxes a tenth larger than the mechanism, on 40 to
+# 1920 elements. In boxes that raise the load by 5 % it is 0.11 on 160 elements, 0.13 on 576, 0.2 on
+# 1920.
 _MOVES = 0.15
-# Of rollers, along which nothing holds the motion back: footings with a tenth to spare come to 0.23
-# on 40 to 1344 elements, those whose box ends where the mechanism does to 0.53 and more.
+# The same for rollers, which do not restrain motion along them: 0.23 for footings in boxes a tenth
+# larger than the mechanism, on 40 to 1344 elements; 0.53 and more if the box ends with it.
 _ROLLS = 0.35
-# Of the largest speed, of an element beside a support that is too large to tell where motion ends.
+# Of the largest speed, in elements at a support that are too large to show where motion ends.
 _IN_DOUBT = 0.5
-_WHOLE = ("xy", "xyz")  # of the plane, and in space: held altogether
+_WHOLE = ("xy", "xyz")  # supports of all components, in two and three dimensions
 _FACING = -0.99  # cosine of outward normals of sides that face each other
 
 
 def reached_supports(discretisation: Discretisation, velocity: Floats | None) -> Finding | None:
     """Return which supports the mechanism reaches; None without any.
 
-    It judges bodies in plane strain, axisymmetric and three-dimensional bodies, and supports that
-    fix all components or are the rollers of a box; along a plane of symmetry a body may move.
+    It checks bodies in plane strain, axisymmetric and three-dimensional bodies, and supports that
+    fix all components or are the rollers of a box. Planes of symmetry are not supports of a box.
     Speeds grow with the distance from a support. Those at 2 % of the size of the body are taken
     from the adjacent elements, so that large elements, in which any motion ends, matter little.
 
     Args:
-        discretisation: of the problem.
-        velocity: all unknowns, shape (n,); None where it is not known.
+        discretisation: Discretisation of the problem.
+        velocity: Velocity of all unknowns, shape (n,); None if it is unknown.
     """
     reached, rolling = [], False
     for support, dofs, speed, fastest in _held(discretisation, velocity):
@@ -62,10 +63,10 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
 def doubtful_supports(
     discretisation: Discretisation, velocity: Floats
 ) -> tuple[tuple[Fix, Floats], ...]:
-    """Straight sides of soils that are held altogether, fast right beside them; outward normals.
+    """Return straight fixed sides of soils with fast motion next to them, and their normals.
 
-    Of soil with friction, whose mechanisms are wide, and of those that `reached_supports` does not
-    tell of: motion ends in elements of some size there.
+    Only soils with friction are checked, whose mechanisms are wide. `reached_supports` does not
+    detect these sides if elements are so large that the motion ends within one.
     """
     found = []
     for support, dofs, speed, fastest in _held(discretisation, velocity):

@@ -102,7 +102,7 @@ def column(field: str, table: Table, name: str, count: int) -> Floats:
 
 
 def numbers(field: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """As floats of a shape; NaN may be planted, too."""
+    """Return values as floats and check their shape; NaN is allowed, to inject errors."""
     try:
         array = np.array(values, dtype=float)
     except (TypeError, ValueError):
@@ -113,12 +113,12 @@ def numbers(field: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
 
 
 def _named(vectors: Floats, prefix: str) -> dict[str, Floats]:
-    """Vectors (m, d) as columns."""
+    """Return vectors (m, d) as columns."""
     return {f"{prefix}{axis}": own for axis, own in zip("xyz", vectors.T, strict=False)}
 
 
 def _along(where: ContactPoints, parts: Floats, name: str) -> dict[str, Floats]:
-    """Tangential vectors, (m, tangent_dim): one number in the plane, along x, y, z in space."""
+    """Return tangential vectors: one number in two dimensions, components x, y, z in three."""
     if parts.shape[1] == 1:
         return {name: parts[:, 0]}
     along = tangents(where.normal)

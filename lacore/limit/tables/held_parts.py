@@ -21,11 +21,13 @@ _COLUMNS = {
 
 
 def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd.DataFrame:
-    """Table of forces, N/m, and moments, N, in space N and N m: see `LimitState.support_reactions`.
+    """Return the table of forces and moments, see `LimitState.support_reactions`.
+
+    They are in N/m and N, or in N and N m for three-dimensional problems.
 
     Args:
-        discretisation: of the problem.
-        point: in SI units.
+        discretisation: Discretisation of the problem.
+        point: State in SI units.
     """
     d = discretisation
     rigid: dict[str, RigidParts] = {**d.blocks, **d.frames}
