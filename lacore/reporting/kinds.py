@@ -79,8 +79,8 @@ class Kind(Enum):
     )
     LOCKED_ON_MESH = (
         "this is proven of the discrete problem: a deformable body may have a motion that this mesh"
-        " does not have; refine the mesh, take the space 'p2-disc', whose velocities jump, or use"
-        " {terms.LOWER_BOUND}, which considers the continuum"
+        " does not have; refine the mesh{space}, or use {terms.LOWER_BOUND}, which considers the"
+        " continuum"
     )
 
     # Reasons for results without certificate

@@ -86,8 +86,11 @@ def other_load_factors(outcome: Outcome, status: Status) -> Iterator[Finding]:
 
 def locked_on_mesh(outcome: Outcome, status: Status) -> Iterator[Finding]:
     """A mesh may lack the motion of a deformable body."""
-    if status is Status.LOCKED and outcome.discretisation.continua:
-        yield Finding(Kind.LOCKED_ON_MESH)
+    continua = outcome.discretisation.continua.values()
+    if status is Status.LOCKED and continua:
+        jumps = all(dofs.space.jumps for dofs in continua)
+        advice = "" if jumps else ", take the space 'p2-disc', whose velocities jump"
+        yield Finding(Kind.LOCKED_ON_MESH, values={"space": advice})
 
 
 def shared_corners(outcome: Outcome, status: Status) -> Iterator[Finding]:
