@@ -1,6 +1,6 @@
 """lacore: plastic collapse loads of bodies in frictional contact, each with its own proof.
 
-The public names are those of `__init__.pyi`; each is imported when it is first asked for, so that
+The public names are those of `__init__.pyi`; each is imported when it is first used, so that
 what a script or a child process does not use costs it nothing.
 """
 

@@ -1,11 +1,14 @@
-"""Pages, help texts, starter files and report templates use the established terms.
+"""Pages, help texts, report templates, docstrings and comments use the established terms.
 
 The project once had words of its own, such as "mend" for fix and "told" for reported. Each entry of
 `PRIVATE` is a pattern that finds one of them, with the term to write instead. The patterns are
 narrow on purpose: "bar" finds a bar of residuals, and not a bar in tension.
 """
 
+import ast
+import io
 import re
+import tokenize
 
 import click
 import pytest
@@ -19,6 +22,14 @@ PAGES = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "lacore").glob("*.txt")),
     *sorted((ROOT / "verification" / "lacore_verification" / "report").glob("*.j2")),
+]
+LACORE, VERIFICATION = ROOT / "lacore", ROOT / "verification" / "lacore_verification"
+UNREAD = {LACORE / "limit", LACORE / "paths"}
+"""Packages whose docstrings still have private words."""
+PACKAGES = [
+    ROOT / "backends" / "lacore_backends",
+    *(file.parent for file in sorted(LACORE.glob("*/__init__.py"))),
+    *(file.parent for file in sorted(VERIFICATION.glob("*/__init__.py"))),
 ]
 ITEM = "line|page|row|process|card|picture|solve|table|step|test|file"
 PRIVATE = {
@@ -84,6 +95,7 @@ PRIVATE = {
 _PATTERNS = {re.compile(rf"\b(?:{how})", re.IGNORECASE): write for how, write in PRIVATE.items()}
 _FENCE = re.compile(r"^```[^\n]*\n(.*?)^```", re.DOTALL | re.MULTILINE)
 _COMMENT = re.compile(r"#+ .*")
+_NAMES = re.compile(r"^ +\*{0,2}\w+(, \*{0,2}\w+)*:", re.MULTILINE)
 
 
 def prose(page):
@@ -103,9 +115,43 @@ def private_words(text):
             yield f"{found[0]!r} in {around!r}: write {write}"
 
 
+def docstrings(source):
+    """Yield docstrings and texts below attributes, without the names of arguments."""
+    for node in ast.walk(ast.parse(source)):
+        value = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            yield _NAMES.sub("", value.value)
+
+
+def comments(source):
+    """Yield comments, those of consecutive lines as one text."""
+    text, last = "", -1
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            if token.start[0] != last + 1:
+                yield text
+                text = ""
+            text, last = f"{text} {token.string.lstrip('# ')}", token.start[0]
+    yield text
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_pages_use_established_terms(page):
     assert [*private_words(prose(page.read_text(encoding="utf-8")))] == []
+
+
+@pytest.mark.parametrize(
+    "package",
+    [p for p in PACKAGES if p not in UNREAD],
+    ids=lambda place: str(place.relative_to(ROOT)),
+)
+def test_docstrings_and_comments_use_established_terms(package):
+    found = []
+    for file in sorted(package.rglob("*.py")):
+        source = file.read_text(encoding="utf-8")
+        for text in (*docstrings(source), *comments(source)):
+            found += [f"{file.relative_to(ROOT)}: {word}" for word in private_words(prose(text))]
+    assert found == []
 
 
 @pytest.mark.parametrize("name", [None, *cli.main.commands])

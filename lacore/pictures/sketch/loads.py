@@ -100,7 +100,7 @@ def _block(body: BlockAssembly, name: str) -> tuple[Floats, shapely.Polygon]:
 
 
 def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Polygon) -> float:
-    """Return the length of an arrow, in points, that ends inside a block if there is room."""
+    """Return the length of an arrow, in points, that ends inside a block if it fits."""
     ray = shapely.LineString([place, place + _SINGLE * sheet.point * along])
     inside = shapely.intersection(ray, block).length / sheet.point
     return 0.8 * inside if inside > _SHORTEST else _OF_BODY

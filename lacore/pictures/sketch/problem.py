@@ -47,7 +47,7 @@ def plot_problem(
 
     Args:
         problem: any.
-        units: that sizes are told in; m, and a prefix that fits most forces, if None.
+        units: of labels; m, and a prefix that fits most forces, if None.
         tools: of a path of a plane problem, see `lacore.sequential`: their outlines and motions.
     """
     units = units or Units(fitting(problem.sizes))

@@ -61,8 +61,8 @@ class Sheet:
     Attributes:
         axes: in m.
         point: m that a point of the page stands for.
-        units: that sizes are told in.
-        bodies: ground that labels had better leave free.
+        units: of labels.
+        bodies: area that labels avoid.
         taken: places of symbols.
         arrows: places of single arrows, which are among those.
         tools: ground of tools, on which labels and symbols may stand.

@@ -66,7 +66,7 @@ class Following:
         remesh: makes new meshes on the way; None: the path ends where elements would invert.
         bounded: whether the load with which the path begins is to lie between strict bounds.
         ladder: numbers of steps over which the error must fall with the order of the scheme, at
-            least four; none where nothing is asked.
+            least four; none if not required.
 
     Raises:
         InputError: no travel, no number of steps, an unknown scheme.

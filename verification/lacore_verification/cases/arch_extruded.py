@@ -1,4 +1,4 @@
-r"""A semicircular arch, as a structure in space, of one voussoir across its depth or of several.
+r"""A semicircular arch, as a three-dimensional structure, one or several voussoirs deep.
 
                 .--+--.            |y
              .-'\  |  /`-.         |  slices, one behind
@@ -9,8 +9,9 @@ r"""A semicircular arch, as a structure in space, of one voussoir across its dep
         +----+           +----+
         ///////         ///////
 
-What is extruded carries what it carries in the plane, with Coulomb friction and with associated
-friction, in any number of slices (T78): slices may slide along each other and gain nothing by it.
+An extruded structure has the load factor of the plane one, with Coulomb friction and with
+associated friction, for any number of slices (T78): slices may slide along each other, which does
+not change it.
 
 The reactions of an arch are hyperstatic, and it is not proven that its load is unique. Short
 searches by `lacore.coulomb_range` found no load of these plane arches other than the associated
@@ -30,13 +31,13 @@ PLANE = {
 
 
 def build(voussoirs: int, inner: float, outer: float, mu: float, slices: int) -> "la.Problem":
-    """Voussoirs and springings, which are held."""
+    """Return the problem: voussoirs and springings, which are held."""
     arch = la.masonry3d.arch(voussoirs, inner, outer - inner, 1.0, mu, slices=slices)
     return shaken(arch, (*named(arch, "left"), *named(arch, "right")))
 
 
 def reference(voussoirs: int, inner: float, outer: float, mu: float, slices: int) -> Reference:
-    """That of the plane."""
+    """Return the reference: that of the plane."""
     return Reference(
         PLANE[voussoirs, inner, outer, mu],
         "the load of the plane arch",
@@ -47,7 +48,7 @@ def reference(voussoirs: int, inner: float, outer: float, mu: float, slices: int
 
 
 def band(elements: int, voussoirs: int, inner: float, outer: float, mu: float, slices: int) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -12,10 +12,10 @@ r"""A barrel vault of 399 blocks in bond, 8 m long, is shaken across its axis, o
 Whatever its length and its bond, a barrel that is pushed across carries what a slice of it carries,
 an arch in the plane (T78): no slice can gain by leaning on its neighbours, which are pushed as
 hard. Pushed obliquely, it carries the part along y by friction, without effort, and alpha cos(psi)
-is what the arch carries. The largest of our cases in space: 399 blocks, 1162 joints.
+is what the arch carries. This is the largest three-dimensional case: 399 blocks, 1162 joints.
 
-The reactions are hyperstatic, and it is not proven that the load is unique. A short
-search by `lacore.coulomb_range` found no load of the plane arch other than the associated one,
+The reactions are hyperstatic, and it is not proven that the load is unique. A short search by
+`lacore.coulomb_range` found no load of the two-dimensional arch other than the associated one,
 which proves nothing.
 """
 
@@ -29,13 +29,13 @@ PLANE = 0.1152294  # 15 voussoirs, radii 2 and 2.3, mu = 0.6: Coulomb and associ
 
 
 def build(psi: float) -> "la.Problem":
-    """The vault between its springings, which are held."""
+    """Return the problem: the vault between its springings, which are held."""
     vault = la.masonry3d.barrel_vault(15, 26, 2.0, 0.3, 8.0, 0.6)
     return shaken(vault, ("left", "right"), (cos(psi), sin(psi), 0.0))
 
 
 def reference(psi: float) -> Reference:
-    """That of the plane, along x."""
+    """Return the reference: that of the plane, along x."""
     value = PLANE / cos(psi)
     return Reference(
         value,
@@ -48,7 +48,7 @@ def reference(psi: float) -> Reference:
 
 
 def band(elements: int, psi: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -25,7 +25,10 @@ _PRECISE = 1e-7  # relative: exact backends solve to 1e-8 and better
 
 
 def build(nx: int, ny: int, angle: float, lateral: float, state: str) -> "la.Problem":
-    """The block; `state` is ``pressed``, ``pulled``, ``cut off``, ``crushed`` or ``plate``."""
+    """Return the problem.
+
+    The block; `state` is ``pressed``, ``pulled``, ``cut off``, ``crushed`` or ``plate``.
+    """
     soil = la.MohrCoulomb(
         C,
         angle,
@@ -47,7 +50,7 @@ def _pulled(state: str) -> bool:
 
 
 def reference(angle: float, lateral: float, state: str) -> Reference:
-    """The first of shear, tension and crushing."""
+    """Return the reference: the first of shear, tension and crushing."""
     phi = radians(angle)
     cohesive = 2 * C * cos(phi)
     ratio = (1 + sin(phi)) / (1 - sin(phi))
@@ -63,14 +66,17 @@ def reference(angle: float, lateral: float, state: str) -> Reference:
 
 
 def valid(angle: float, lateral: float, state: str) -> bool:
-    """The sides alone break nothing, and in a plate they carry less than its top."""
+    """Return whether the parameters are valid.
+
+    The sides alone break nothing, and in a plate they carry less than its top.
+    """
     phi = radians(angle)
     most = 2 * C * cos(phi) / (1 - sin(phi))
     return 0 <= lateral < (min(most, CRUSHING) if state == "crushed" else most)
 
 
 def band(elements: int, angle: float, lateral: float, state: str) -> Band:
-    """The solver alone."""
+    """Return the band: the solver alone."""
     return Band(
         below=_PRECISE,
         above=_PRECISE,

@@ -11,11 +11,11 @@ r"""A sheet is sheared between a punch that moves and a die at rest.
                                  |<- 0.1 ->|  clearance
 
 The punch, the die and the holder are tools. Rigid blocks of their shapes stand for them in the
-bounds of the load with which the path begins. If the sheet in the clearance shears between
-vertical lines, it dissipates k t per travel, and no point slips on a tool. So the force on an edge
-is at most k t, with and without friction, and that is the load without clearance. As the sheet is
-cut, shear across what is left would take k (t - stroke). Elements that stay together spread the
-shear over the clearance and do not find this mechanism: the path covers a twentieth of the
+bounds of the load with which the path begins. If the sheet in the clearance shears between vertical
+lines, it dissipates k t per travel, and no point slips on a tool. So the force on an edge is at
+most k t, with and without friction, and that is the load without clearance. As the sheet is cut,
+shear across the remaining thickness would take k (t - stroke). Elements that stay together spread
+the shear over the clearance and do not find this mechanism: the path covers a twentieth of the
 thickness.
 """
 
@@ -49,7 +49,10 @@ _MOTION = (0.0, -1.0)  # of the punch, m per m of travel
 
 
 def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
-    """Half of the sheet; nx columns under the punch and on the die, one in the clearance."""
+    """Return the problem.
+
+    Half of the sheet; nx columns under the punch and on the die, one in the clearance.
+    """
     edge = PUNCH + CLEARANCE
     columns = np.unique(np.r_[np.linspace(0, PUNCH, nx + 1), np.linspace(edge, WIDTH, nx + 1)])
     cells = MeshQuad.init_tensor(columns, np.linspace(0, THICK, ny + 1))
@@ -93,12 +96,12 @@ def build(nx: int, ny: int, mu: float, steps: int, scheme: str) -> "la.Problem":
 
 
 def largest(path: "la.Path") -> float:
-    """Of the forces on the way, over k t."""
+    """Return the largest of the forces on the way, over k t."""
     return float(path.history["force"].max()) / (_STRENGTH * THICK)
 
 
 def path(mu: float, steps: int, scheme: str) -> Following:
-    """The punch moves down by a twentieth of the thickness."""
+    """Return the path: the punch moves down by a twentieth of the thickness."""
     return Following(
         TRAVEL,
         steps,
@@ -121,7 +124,7 @@ def path(mu: float, steps: int, scheme: str) -> Following:
 
 
 def reference(mu: float, steps: int, scheme: str) -> Reference:
-    """Shear between vertical lines."""
+    """Return the reference: shear between vertical lines."""
     return Reference(
         _STRENGTH * THICK,
         "k t, exact for zero clearance",
@@ -131,7 +134,10 @@ def reference(mu: float, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, mu: float, steps: int, scheme: str) -> Band:
-    """From above strict at the beginning; from below what the clearance takes away."""
+    """Return the band.
+
+    From above strict at the beginning; from below what the clearance takes away.
+    """
     return Band(
         _BELOW,
         SOLVER,

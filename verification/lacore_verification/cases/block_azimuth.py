@@ -25,13 +25,13 @@ from lacore_verification.cases.shared.solids import on_floor, shaken
 
 
 def build(mu: float, b: float, h: float, psi: float) -> "la.Problem":
-    """Block and floor."""
+    """Return the problem: block and floor."""
     blocks = la.BlockAssembly3D(on_floor(b, h), mu)
     return shaken(blocks, ("floor",), (cos(psi), sin(psi), 0.0))
 
 
 def reference(mu: float, b: float, h: float, psi: float) -> Reference:
-    """The smaller of sliding and toppling."""
+    """Return the reference: the smaller of sliding and toppling."""
     value = min(mu, b / h / max(abs(cos(psi)), abs(sin(psi))))
     formula = "min(mu, (b/h)/max(|cos psi|, |sin psi|))"
     # Dilatant friction moves blocks up, against their weight: that costs as much as it slips.
@@ -39,7 +39,7 @@ def reference(mu: float, b: float, h: float, psi: float) -> Reference:
 
 
 def band(elements: int, mu: float, b: float, h: float, psi: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -19,7 +19,7 @@ from lacore_verification.case import CLAMPED, Band, Case, Reference, Variant, ri
 
 
 def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
-    """Block and walls."""
+    """Return the problem: block and walls."""
     rectangle = la.masonry.rectangle
     blocks = la.BlockAssembly(
         {
@@ -38,12 +38,12 @@ def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
 
 
 def reference(mu: float, W: float, b: float, h: float) -> Reference:
-    """Any clamping force."""
+    """Return the reference: any clamping force."""
     return Reference(W, "W and more", "equilibrium, by hand", "interval", up_to=inf, associated=inf)
 
 
 def band(elements: int, mu: float, W: float, b: float, h: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W)
 
 

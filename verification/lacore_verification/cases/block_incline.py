@@ -10,8 +10,7 @@ r"""A block on an incline is pushed along the slope, up or down.
         -----------------
 
 Pushed down, the load factor is negative where tan(beta) > mu: the block has to be held back, and
-alpha is what it takes. A reference below zero, so. The load is unique, as the normal reactions
-follow from equilibrium.
+-alpha is the force for it. The load is unique, as the normal reactions follow from equilibrium.
 """
 
 from math import cos, sin
@@ -21,7 +20,7 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def inclined(mu: float, beta: float, b: float, h: float) -> "la.BlockAssembly":
-    """A block on a slope; the origin is the middle of its base."""
+    """Return a block on a slope; the origin is the middle of its base."""
     along, up = (cos(beta), sin(beta)), (-sin(beta), cos(beta))
 
     def place(s: float, n: float) -> tuple[float, float]:
@@ -37,7 +36,7 @@ def inclined(mu: float, beta: float, b: float, h: float) -> "la.BlockAssembly":
 
 
 def pushed(blocks: "la.BlockAssembly", W: float, direction: tuple[float, float]) -> "la.Problem":
-    """The block, pushed at its centroid."""
+    """Return the block, pushed at its centroid."""
     return la.Problem(
         bodies={"blocks": blocks},
         supports=[la.Fix("blocks", "slope")],
@@ -47,7 +46,7 @@ def pushed(blocks: "la.BlockAssembly", W: float, direction: tuple[float, float])
 
 
 def stands(mu: float, b: float, h: float) -> bool:
-    """Whether a block that slides does not topple.
+    """Return whether a block that slides does not topple.
 
     All forces act at the centroid, so that the reaction, inclined phi, crosses the base mu h/2 off
     its middle.
@@ -56,25 +55,25 @@ def stands(mu: float, b: float, h: float) -> bool:
 
 
 def build(mu: float, beta: float, W: float, b: float, h: float, down: bool) -> "la.Problem":
-    """Pushed along the slope."""
+    """Return the problem: pushed along the slope."""
     side = -1 if down else 1
     return pushed(inclined(mu, beta, b, h), W, (side * cos(beta), side * sin(beta)))
 
 
 def reference(mu: float, beta: float, W: float, b: float, h: float, down: bool) -> Reference:
-    """Sliding."""
+    """Return the reference: sliding."""
     value = W * (mu * cos(beta) - sin(beta) if down else mu * cos(beta) + sin(beta))
     formula = f"W (mu cos b {'-' if down else '+'} sin b)"
     return Reference(value, formula, "equilibrium, by hand", "exact", associated=value)
 
 
 def valid(mu: float, beta: float, W: float, b: float, h: float, down: bool) -> bool:
-    """See `stands`."""
+    """Return whether the parameters are valid: see `stands`."""
     return stands(mu, b, h)
 
 
 def band(elements: int, mu: float, beta: float, W: float, b: float, h: float, down: bool) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W)
 
 

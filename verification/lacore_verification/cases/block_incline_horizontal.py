@@ -23,12 +23,12 @@ from lacore_verification.cases.block_incline import inclined, pushed, stands
 
 
 def build(mu: float, beta: float, W: float, b: float, h: float) -> "la.Problem":
-    """Pushed horizontally at the centroid."""
+    """Return the problem: pushed horizontally at the centroid."""
     return pushed(inclined(mu, beta, b, h), W, (1, 0))
 
 
 def reference(mu: float, beta: float, W: float, b: float, h: float) -> Reference:
-    """Sliding, or jamming."""
+    """Return the reference: sliding, or jamming."""
     lean = beta + atan(mu)
     formula, source = "W tan(b + phi), jam if b + phi >= 90 degrees", "equilibrium, by hand"
     if lean >= pi / 2:
@@ -37,12 +37,12 @@ def reference(mu: float, beta: float, W: float, b: float, h: float) -> Reference
 
 
 def valid(mu: float, beta: float, W: float, b: float, h: float) -> bool:
-    """It does not topple, see `stands`."""
+    """Return whether the parameters are valid: it does not topple, see `stands`."""
     return stands(mu, b, h)
 
 
 def band(elements: int, mu: float, beta: float, W: float, b: float, h: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W)
 
 

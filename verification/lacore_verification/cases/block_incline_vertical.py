@@ -27,7 +27,7 @@ from lacore_verification.cases.block_incline import inclined
 
 
 def build(mu: float, beta: float, W: float, H: float, b: float, h: float) -> "la.Problem":
-    """Loaded at the centroid."""
+    """Return the problem: loaded at the centroid."""
     pull = [la.PointForce("blocks", "block", (-H, 0))] if H > 0 else []
     return la.Problem(
         bodies={"blocks": inclined(mu, beta, b, h)},
@@ -38,7 +38,7 @@ def build(mu: float, beta: float, W: float, H: float, b: float, h: float) -> "la
 
 
 def reference(mu: float, beta: float, W: float, H: float, b: float, h: float) -> Reference:
-    """The load below which it slides, or none."""
+    """Return the reference: the load below which it slides, or none."""
     formula, source = "H/tan(phi - b) - W; none if H > 0 and phi < b", "equilibrium, by hand"
     holds = tan(beta) < mu
     if H > 0 and not holds:
@@ -48,12 +48,15 @@ def reference(mu: float, beta: float, W: float, H: float, b: float, h: float) ->
 
 
 def valid(mu: float, beta: float, W: float, H: float, b: float, h: float) -> bool:
-    """It does not topple: the reaction, inclined phi, crosses the base mu h/2 off its middle."""
+    """Return whether the parameters are valid.
+
+    It does not topple: the reaction, inclined phi, crosses the base mu h/2 off its middle.
+    """
     return mu * h < b
 
 
 def band(elements: int, mu: float, beta: float, W: float, H: float, b: float, h: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W + H)
 
 

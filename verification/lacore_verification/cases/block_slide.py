@@ -17,7 +17,7 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def build(mu: float, W: float, b: float, h: float, y: float) -> "la.Problem":
-    """Block and floor; W, alpha: forces per thickness."""
+    """Return the problem: block and floor; W, alpha: forces per thickness."""
     blocks = la.BlockAssembly(
         {
             "floor": la.masonry.rectangle(-b, b, -h, 0),
@@ -34,7 +34,7 @@ def build(mu: float, W: float, b: float, h: float, y: float) -> "la.Problem":
 
 
 def reference(mu: float, W: float, b: float, h: float, y: float) -> Reference:
-    """The smaller of sliding and toppling."""
+    """Return the reference: the smaller of sliding and toppling."""
     value = min(mu * W, W * b / (2 * y))
     return Reference(
         value, "min(mu W, W b/(2 y))", "equilibrium, by hand", "exact", associated=value
@@ -42,12 +42,12 @@ def reference(mu: float, W: float, b: float, h: float, y: float) -> Reference:
 
 
 def valid(mu: float, W: float, b: float, h: float, y: float) -> bool:
-    """The force acts on the face of the block."""
+    """Return whether the parameters are valid: the force acts on the face of the block."""
     return 0 < y <= h
 
 
 def band(elements: int, mu: float, W: float, b: float, h: float, y: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W)
 
 

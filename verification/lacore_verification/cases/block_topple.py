@@ -19,7 +19,7 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
-    """Block and floor, reference load and dead load at the centroid."""
+    """Return the problem: block and floor, reference load and dead load at the centroid."""
     blocks = la.BlockAssembly(
         {
             "floor": la.masonry.rectangle(-b, b, -h, 0),
@@ -37,13 +37,13 @@ def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
 
 
 def reference(mu: float, W: float, b: float, h: float) -> Reference:
-    """The smaller of sliding and toppling."""
+    """Return the reference: the smaller of sliding and toppling."""
     value = min(mu, b / h)
     return Reference(value, "min(mu, b/h)", "equilibrium, by hand", "exact", associated=value)
 
 
 def band(elements: int, mu: float, W: float, b: float, h: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

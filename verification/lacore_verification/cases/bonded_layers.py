@@ -43,7 +43,10 @@ _ERRORS = {
 
 
 def build(nx: int, ny: int, ratio: float, below: float) -> "la.Problem":
-    """The right half, graded towards the edge of the footing; `below` is the strength there."""
+    """Return the problem.
+
+    The right half, graded towards the edge of the footing; `below` is the strength there.
+    """
 
     def layer(low: float, high: float, rows: int, strength: float) -> "la.Body":
         mesh = la.meshes.rectangle(
@@ -76,7 +79,7 @@ def _under_footing(x: Floats) -> Bools:
 
 
 def reference(below: float) -> Reference:
-    """Bounds from both sides."""
+    """Return the reference: bounds from both sides."""
     low, high = _BOUNDS[below]
     return Reference(
         (low + high) / 2,
@@ -89,7 +92,7 @@ def reference(below: float) -> Reference:
 
 
 def band(elements: int, below: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERRORS[below].strict(elements)
 
 

@@ -33,22 +33,25 @@ _ERROR = Convergence(
 
 
 def build(n_radial: int, n_angular: int, angle: float, dilation: float) -> "la.Problem":
-    """The quarter; cohesion 1."""
+    """Return the problem: the quarter; cohesion 1."""
     return quarter(n_radial, n_angular, angle, dilation, "plane_strain")
 
 
 def reference(angle: float, dilation: float) -> Reference:
-    """The tube that yields everywhere."""
+    """Return the reference: the tube that yields everywhere."""
     return expansion(angle, 1)
 
 
 def band(elements: int, angle: float, dilation: float) -> Band:
-    """Interior strain points, curved edges."""
+    """Return the band: interior strain points, curved edges."""
     return smooth(_ERROR, elements)
 
 
 def order(angle: float, dilation: float) -> Order | None:
-    """Smooth; with less friction coarse meshes fall faster, without any to the solver at once."""
+    """Return the order of convergence.
+
+    Smooth; with less friction coarse meshes fall faster, without any to the solver at once.
+    """
     if angle < 30 or dilation < angle:
         return None
     return Order(

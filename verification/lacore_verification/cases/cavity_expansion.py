@@ -27,7 +27,7 @@ _SAFETY = 1.3
 
 
 def build(n: int, angle: float, steps: int, scheme: str) -> "la.Problem":
-    """A row of quadrilaterals."""
+    """Return the problem: a row of quadrilaterals."""
     mesh = la.meshes.quadrilaterals(
         (INNER, OUTER), (0, HEIGHT), n, 1, grade_x=(INNER, OUTER / INNER)
     )
@@ -40,13 +40,16 @@ def build(n: int, angle: float, steps: int, scheme: str) -> "la.Problem":
 
 
 def outer(inner: float, angle: float) -> float:
-    """Outer radius [m] beside that of the bore: ``r^n - R^n`` is the same for all particles."""
+    """Return the outer radius [m] for that of the bore.
+
+    ``r^n - R^n`` is the same for all particles.
+    """
     power = 2 / (1 + sin(radians(angle)))
     return float((OUTER**power + inner**power - INNER**power) ** (1 / power))
 
 
 def pressure(inner: float, angle: float) -> float:
-    """Of the radii as they are, Pa."""
+    """Return the pressure, Pa, at the current radii."""
     ratio, phi = outer(inner, angle) / inner, radians(angle)
     if not angle:
         return 2 * C * log(ratio)
@@ -54,7 +57,10 @@ def pressure(inner: float, angle: float) -> float:
 
 
 def path(angle: float, steps: int, scheme: str) -> Following:
-    """The bore moves outwards by half of its radius; what the tube grows by is read."""
+    """Return the path.
+
+    The bore moves outwards by half of its radius; what the tube grows by is read.
+    """
     end = INNER + TRAVEL
     volume = pi * HEIGHT * (outer(end, angle) ** 2 - end**2)
     allowed = _allowed(steps, scheme)
@@ -74,13 +80,13 @@ def path(angle: float, steps: int, scheme: str) -> Following:
 
 
 def _allowed(steps: int, scheme: str) -> float:
-    """Share of a load by which steps err; of midpoints, which are next to exact, as of leapfrog."""
+    """Return the relative error of a load by the steps."""
     coefficient, order = _STEPS.get(scheme, _STEPS["leapfrog"])
     return float(_SAFETY * coefficient * steps**-order)
 
 
 def reference(angle: float, steps: int, scheme: str) -> Reference:
-    """The pressure at the last load."""
+    """Return the reference: the pressure at the last load."""
     return Reference(
         pressure(INNER + last_load(TRAVEL, steps, scheme), angle),
         "c cot(phi) ((b/a)^(2 sin(phi)/(1 + sin(phi))) - 1), r^n - R^n = a^n - 1,"
@@ -91,7 +97,7 @@ def reference(angle: float, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, angle: float, steps: int, scheme: str) -> Band:
-    """Of the steps; that of the elements is hardly to be seen."""
+    """Return the band: of the steps; that of the elements is hardly to be seen."""
     mesh = _MESH * elements**-4 + SOLVER
     allowed = _allowed(steps, scheme) + mesh
     coefficient, order = _STEPS.get(scheme, _STEPS["leapfrog"])

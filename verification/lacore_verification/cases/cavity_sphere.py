@@ -14,9 +14,9 @@ r"""A hollow sphere of soil, radii a = 1 and b = 2, driven apart by pressure in 
                   u_z = 0
 
 Axisymmetric, a quarter of a meridian section modelled; u_r = 0 on the axis by itself. Two hoop
-stresses are equal, at an edge of the surface of yield: all of its planes are asked for, and no
-hypothesis about the third stress is made. The pressure is the same whatever the soil dilates by:
-in one variant that is by less than its friction, and each load factor is that of a certified state.
+stresses are equal, at an edge of the surface of yield: all of its planes are enforced, and no
+hypothesis about the third stress is made. The pressure is the same whatever the soil dilates by: in
+one variant that is by less than its friction, and each load factor is that of a certified state.
 
 Edges are curved: the nodes of a rectangle of radii and angles, on circles.
 """
@@ -35,22 +35,25 @@ _ERROR = Convergence(
 
 
 def build(n_radial: int, n_angular: int, angle: float, dilation: float) -> "la.Problem":
-    """The quarter; cohesion 1."""
+    """Return the problem: the quarter; cohesion 1."""
     return quarter(n_radial, n_angular, angle, dilation, "axisymmetric")
 
 
 def reference(angle: float, dilation: float) -> Reference:
-    """The sphere that yields everywhere."""
+    """Return the reference: the sphere that yields everywhere."""
     return expansion(angle, 2)
 
 
 def band(elements: int, angle: float, dilation: float) -> Band:
-    """Interior strain points, curved edges."""
+    """Return the band: interior strain points, curved edges."""
     return smooth(_ERROR, elements)
 
 
 def order(angle: float, dilation: float) -> Order | None:
-    """Smooth; with less friction coarse meshes fall faster, without any to the solver at once."""
+    """Return the order of convergence.
+
+    Smooth; with less friction coarse meshes fall faster, without any to the solver at once.
+    """
     if angle < 30 or dilation < angle:
         return None
     return Order(

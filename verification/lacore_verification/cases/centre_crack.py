@@ -48,7 +48,7 @@ _ERRORS = {
 
 
 def build(nx: int, ny: int, ratio: float, kinematics: str) -> "la.Problem":
-    """A quarter, graded towards the tip of the crack."""
+    """Return the problem: a quarter, graded towards the tip of the crack."""
     mesh = la.meshes.rectangle(
         x=(0, 1),
         y=(0, LENGTH),
@@ -69,7 +69,7 @@ def _ligament(x: Floats) -> Bools:
 
 
 def reference(kinematics: str) -> Reference:
-    """Ligaments at yield."""
+    """Return the reference: ligaments at yield."""
     if kinematics == "plane_stress":
         return Reference(
             sqrt(3) * (1 - CRACK),
@@ -86,7 +86,7 @@ def reference(kinematics: str) -> Reference:
 
 
 def band(elements: int, kinematics: str) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERRORS[kinematics].strict(elements)
 
 
@@ -97,7 +97,10 @@ _ORDERS = {  # grading per sqrt(n), order, both as measured
 
 
 def order(kinematics: str) -> Order:
-    """Above 1/2, which is that of a cut smeared over one element, as meshes are graded more."""
+    """Return the order of convergence.
+
+    Above 1/2, which is that of a cut smeared over one element, as meshes are graded more.
+    """
     ratio, expected, graded, equal = _ORDERS[kinematics]
     return Order(
         tuple({"nx": n, "ny": n, "ratio": ratio * sqrt(n)} for n in (6, 8, 10, 14, 18)),
@@ -110,7 +113,7 @@ def order(kinematics: str) -> Order:
 
 
 def sketch(axes: "Axes", problem: "la.Problem") -> None:
-    """The cut, or the middle of the neck."""
+    """Draw the cut, or the middle of the neck."""
     (body,) = problem.bodies.values()
     assert isinstance(body, la.Body)
     height = (1 - CRACK) * (1.0 if body.kinematics == "plane_strain" else 1 / sqrt(2))

@@ -41,7 +41,7 @@ _ROUGH = Convergence(
 
 
 def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> "la.Problem":
-    """Graded towards the edge of the footing; k = 1."""
+    """Return the problem: graded towards the edge of the footing; k = 1."""
     mesh = la.meshes.rectangle(
         x=(0, WIDTH),
         y=(-DEPTH, 0),
@@ -65,7 +65,7 @@ def _under_footing(x: Floats) -> Bools:
 
 
 def reference(rough: bool) -> Reference:
-    """Extrapolated, no closed form."""
+    """Return the reference: extrapolated, no closed form."""
     return Reference(
         5.51 if rough else 5.21,
         "extrapolated from refined finite elements",
@@ -77,7 +77,7 @@ def reference(rough: bool) -> Reference:
 
 
 def band(elements: int, rough: bool) -> Band:
-    """Interior strain points: from above, though nothing says so."""
+    """Return the band: interior strain points: from above, though nothing says so."""
     return (_ROUGH if rough else _SMOOTH).two_sided(elements, "interior strain points.")
 
 

@@ -13,8 +13,8 @@ r"""A rigid circular footing of radius 1 on a half space of Tresca's or Mohr and
 
 Axisymmetric, r to the right and z upwards. The hoop stress lies between two principal stresses of
 the plane or equals one of them, and slip lines have been drawn by assuming the latter (Haar and von
-Karman). No such hypothesis is made here: all planes of the yield surface are asked for, three cones
-a point, and the values of slip lines come out.
+Karman). No such hypothesis is made here: all planes of the yield surface are enforced, three cones
+per point, and the values of slip lines result.
 
 At equal strength in shear Tresca's material carries 9 or 10 % more than that of von Mises in
 `circular-footing`, being stronger where two principal stresses are equal. With friction a circular
@@ -45,7 +45,7 @@ _FRICTION = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> "la.Problem":
-    """Graded towards the edge of the footing; cohesion 1."""
+    """Return the problem: graded towards the edge of the footing; cohesion 1."""
     width, depth = _BOX[angle]
     mesh = la.meshes.rectangle(
         x=(0, width), y=(-depth, 0), nx=nx, ny=ny, grade_x=(1.0, 2 * ratio), grade_y=(0.0, ratio)
@@ -64,7 +64,7 @@ def _under_footing(x: Floats) -> Bools:
 
 
 def reference(angle: float, rough: bool) -> Reference:
-    """Slip lines of bodies of revolution."""
+    """Return the reference: axisymmetric slip lines."""
     value = _PUBLISHED[angle, rough]
     if angle:
         return Reference(
@@ -85,7 +85,7 @@ def reference(angle: float, rough: bool) -> Reference:
 
 
 def band(elements: int, angle: float, rough: bool) -> Band:
-    """Interior strain points: from above, though nothing says so."""
+    """Return the band: interior strain points: from above, though nothing says so."""
     error = _FRICTION if angle else _ROUGH if rough else _SMOOTH
     return error.two_sided(elements, "interior strain points.")
 

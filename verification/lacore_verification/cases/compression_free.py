@@ -1,4 +1,4 @@
-r"""A block between two smooth rigid platens yields in uniaxial compression, in space.
+r"""A block between two smooth rigid platens yields in uniaxial compression: tetrahedra.
 
                alpha (mean pressure)
             +-----------------------+   platen, smooth
@@ -22,7 +22,7 @@ from lacore_verification.cases.shared.tetrahedra import CLAY
 
 
 def build(n: int, space: str) -> "la.Problem":
-    """A unit cube, in n^3 cells of six tetrahedra."""
+    """Return the problem: a unit cube, in n^3 cells of six tetrahedra."""
     mesh = la.meshes.box((0, 1), (0, 1), (0, 1), n, n, n)
     return la.Problem(
         bodies={"block": la.Body(mesh, CLAY, kinematics="3d", space=space)},
@@ -32,12 +32,12 @@ def build(n: int, space: str) -> "la.Problem":
 
 
 def reference(space: str) -> Reference:
-    """Uniaxial compression: J2 = sigma^2/3 = k^2."""
+    """Return the reference: uniaxial compression: J2 = sigma^2/3 = k^2."""
     return Reference(sqrt(3), "sqrt(3) k", "yield criterion, by hand", "exact")
 
 
 def band(elements: int, space: str) -> Band:
-    """Uniform strain rates are in every space."""
+    """Return the band: uniform strain rates are in every space."""
     return exact_patch("the strain rate is uniform.")
 
 

@@ -24,19 +24,19 @@ FOUND = {0.5: (0.3061925, 0.3257414, 0.3332557), 0.6: (0.3462811, 0.3614233, 0.3
 
 
 def build(mu: float) -> "la.Problem":
-    """Walls of 4 and 3 blocks, 8 courses."""
+    """Return the problem: walls of 4 and 3 blocks, 8 courses."""
     walls = la.masonry3d.corner((4, 3), 8, mu)
     return shaken(walls, ("base",), (0.0, 1.0, 0.0))
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     low, high, associated = FOUND[mu]
     return certified(low, associated, high)
 
 
 def band(elements: int, mu: float) -> Band:
-    """The references are rounded to seven digits; alpha is in weights."""
+    """Return the band: the references are rounded to seven digits; alpha is in weights."""
     return rigid(1.0)
 
 

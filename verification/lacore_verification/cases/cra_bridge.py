@@ -74,7 +74,7 @@ _KEY = ((0.53059846, 1.47148216), (0.0, 1.5), (-0.53059846, 1.47148216))  # bloc
 
 
 def build(mu: float) -> "la.Problem":
-    """The bridge; its piers are held."""
+    """Return the problem: the bridge; its piers are held."""
     mirror = np.array([-1.0, 1.0])
     outlines = {}
     for (right, left), points in _HALVES.items():
@@ -88,7 +88,7 @@ def build(mu: float) -> "la.Problem":
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     value = {MU: VALUE}[mu]
     return Reference(
         value,
@@ -102,7 +102,7 @@ def reference(mu: float) -> Reference:
 
 
 def band(elements: int, mu: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -27,18 +27,18 @@ MU = 0.6
 
 
 def build(mu: float) -> "la.Problem":
-    """The vault on fixed blocks below its lowest voussoirs."""
+    """Return the problem: the vault on fixed blocks below its lowest voussoirs."""
     vault = la.masonry3d.cross_vault(9, 0.9, 0.2, 1.2, mu)
     return shaken(vault, named(vault, "base"))
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     return {MU: certified(VALUE, ASSOCIATED)}[mu]
 
 
 def band(elements: int, mu: float) -> Band:
-    """The references are rounded to six digits; alpha is in weights."""
+    """Return the band: the references are rounded to six digits; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -53,7 +53,10 @@ STATES = {
 
 
 def build(n: int, mu: float) -> "la.Problem":
-    """The block on square cells, n over its height: their diagonals hold the 45-degree cut."""
+    """Return the problem.
+
+    The block on square cells, n over its height: their diagonals hold the 45-degree cut.
+    """
     mesh = la.meshes.rectangle(x=(0, LENGTH), y=(0, HEIGHT), nx=int(LENGTH / HEIGHT) * n, ny=n)
     return la.Problem(
         bodies={"block": la.Body(mesh, la.VonMises(shear_strength=K))},
@@ -64,12 +67,15 @@ def build(n: int, mu: float) -> "la.Problem":
 
 
 def sliding_load(mu: float, pressures: Floats) -> float:
-    """Load under contact pressures on equal parts of the floor: slip, or shear where mu t > k."""
+    """Return the load under contact pressures on equal parts of the floor.
+
+    Slip, or shear where mu t > k.
+    """
     return float(np.minimum(mu * pressures, K).mean() * LENGTH / HEIGHT)
 
 
 def admissible(mu: float, pressures: Floats) -> "la.Problem":
-    """The block under all tractions of a Coulomb state, those of the floor among the loads.
+    """Return the block under all tractions of a Coulomb state, those of the floor among the loads.
 
     A load factor of 1 proves that an equilibrium stress within yield has these tractions. More is
     impossible where the floor shears the block at k.
@@ -96,7 +102,10 @@ def _on_floor(low: float, high: float, x: Floats) -> Bools:
 
 
 def reference(mu: float) -> Reference:
-    """From the least load of rigid sliding to the smaller of sliding and crushing."""
+    """Return the reference.
+
+    From the least load of rigid sliding to the smaller of sliding and crushing.
+    """
     high = min(mu * PRESSURE * LENGTH / HEIGHT, PRESSURE + 2 * K)
     return Reference(
         least_friction(mu, PRESSURE) * LENGTH / HEIGHT,
@@ -110,7 +119,7 @@ def reference(mu: float) -> Reference:
 
 
 def band(elements: int, mu: float) -> Band:
-    """Rigid sliding, or a cut along element edges."""
+    """Return the band: rigid sliding, or a cut along element edges."""
     return exact_patch(
         "sliding is a rigid motion, and the cut that frees the crushed wedge runs along element"
         " edges, where shear in one row of elements dissipates what a jump would."

@@ -33,7 +33,10 @@ _ERROR = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, mu: float) -> "la.Problem":
-    """A quarter of the section, graded towards the edge of the platen; yield stress 1."""
+    """Return the problem.
+
+    A quarter of the section, graded towards the edge of the platen; yield stress 1.
+    """
     half = HEIGHT / 2
     mesh = la.meshes.rectangle(
         x=(0, RADIUS), y=(0, half), nx=nx, ny=ny, grade_x=(RADIUS, ratio), grade_y=(half, ratio)
@@ -47,7 +50,10 @@ def build(nx: int, ny: int, ratio: float, mu: float) -> "la.Problem":
 
 
 def reference(mu: float) -> Reference:
-    """Exact without friction; else between what no friction and what even spreading need."""
+    """Return the reference.
+
+    Exact without friction; else between what no friction and what even spreading need.
+    """
     if mu == 0:
         return Reference(1.0, "s0", "by hand: uniform stress, even spreading", "exact")
     lever = mu * RADIUS / HEIGHT
@@ -63,7 +69,7 @@ def reference(mu: float) -> Reference:
 
 
 def band(elements: int, mu: float) -> Band:
-    """Interior strain points, and Coulomb friction."""
+    """Return the band: interior strain points, and Coulomb friction."""
     if mu == 0:
         return exact_patch("even spreading is a linear velocity.")
     return _ERROR.two_sided(elements, "interior strain points, and Coulomb friction.")

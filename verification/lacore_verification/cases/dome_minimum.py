@@ -26,13 +26,13 @@ ASSOCIATED = {0.0428: 0.1860382}  # by thickness: no Coulomb load is above it
 
 
 def build(t: float, meridians: int, rings: int, mu: float) -> "la.Problem":
-    """A dome of radius 1 m on a ring of fixed blocks."""
+    """Return the problem: a dome of radius 1 m on a ring of fixed blocks."""
     dome = la.masonry3d.dome(meridians, rings, 1.0, t, _OCULUS, mu)
     return shaken(dome, named(dome, "base"))
 
 
 def reference(t: float, meridians: int, rings: int, mu: float) -> Reference:
-    """Unsafe below, and some load above."""
+    """Return the reference: unsafe below, and some load above."""
     low, high = LEAST
     source = "Heyman 1967, 0.042; of 8 rings by bisection of associated programs"
     if t < low:
@@ -44,7 +44,7 @@ def reference(t: float, meridians: int, rings: int, mu: float) -> Reference:
 
 
 def band(elements: int, t: float, meridians: int, rings: int, mu: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -21,18 +21,18 @@ MU = 0.5
 
 
 def build(mu: float) -> "la.Problem":
-    """A dome of radius 1 m on a ring of fixed blocks."""
+    """Return the problem: a dome of radius 1 m on a ring of fixed blocks."""
     dome = la.masonry3d.dome(8, 4, 1.0, 0.15, 0.25, mu)
     return shaken(dome, named(dome, "base"))
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     return {MU: certified(VALUE, ASSOCIATED)}[mu]
 
 
 def band(elements: int, mu: float) -> Band:
-    """The references are rounded to six digits; alpha is in weights."""
+    """Return the band: the references are rounded to six digits; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -17,12 +17,13 @@ slips past it where the traction is at the angle delta off the normal, and opens
 active, soil would push it away, and the load that lets it go is negative: minus the pressure.
 
 A smooth wall has Rankine's uniform stress ratio, whatever weight, surcharge and cohesion: unlike
-under a footing they superpose. Beside a rough wall and without weight, a fan around the top of the
+under a footing they superpose. Next to a rough wall and without weight, a fan around the top of the
 wall turns the stress from the face (1) to the surface: Prandtl's field again. With weight and
 roughness there is no closed form.
 
-The toe, and the top of a rough wall, are singular points. Soil without cohesion is lent 1e-5 q, for
-stresses in floating point to be proven; it is not in the reference, of which it is 2e-5.
+The toe, and the top of a rough wall, are singular points. Soil without cohesion has a cohesion of
+1e-5 q, so that stresses can be proven in floating point; the reference does not contain it, it is
+2e-5 of it.
 """
 
 from math import asin, cos, exp, pi, radians, sin, sqrt, tan
@@ -61,7 +62,10 @@ def build(
     weight: float,
     active: bool,
 ) -> "la.Problem":
-    """Soil before the wall and under its bed, graded towards the toe; surcharge 1."""
+    """Return the problem.
+
+    Soil before the wall and under its bed, graded towards the toe; surcharge 1.
+    """
     block = la.meshes.rectangle(
         x=(-THICKNESS, WIDTH),
         y=(-DEPTH, 0),
@@ -115,7 +119,7 @@ def _left(x: Floats) -> Bools:
 def reference(
     angle: float, delta: float, cohesion: float, weight: float, active: bool
 ) -> Reference:
-    """Rankine's pressure of a smooth wall, Prandtl's field of a rough one."""
+    """Return the reference: Rankine's pressure of a smooth wall, Prandtl's field of a rough one."""
     phi, rub, side = radians(angle), radians(delta), -1.0 if active else 1.0
     if not delta:
         ratio = tan(pi / 4 + side * phi / 2) ** 2
@@ -139,14 +143,17 @@ def reference(
 
 
 def valid(angle: float, delta: float, cohesion: float, weight: float, active: bool) -> bool:
-    """A rough wall has a closed form without weight and cohesion, and is no rougher than soil."""
+    """Return whether the parameters are valid.
+
+    A rough wall has a closed form without weight and cohesion, and is no rougher than soil.
+    """
     return not delta or (delta <= angle and not (weight or cohesion))
 
 
 def band(
     elements: int, angle: float, delta: float, cohesion: float, weight: float, active: bool
 ) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     if delta:
         return (_ROUGH_ACTIVE if active else _ROUGH).strict(elements)
     return (_RANKINE_ACTIVE if active else _RANKINE).strict(elements)

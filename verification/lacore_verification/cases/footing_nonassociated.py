@@ -1,4 +1,4 @@
-r"""A smooth rigid strip footing on weightless soil that dilates less than its friction.
+r"""A smooth rigid strip footing on weightless soil with non-associated flow.
 
               alpha
               | | | |
@@ -13,10 +13,10 @@ r"""A smooth rigid strip footing on weightless soil that dilates less than its f
           |<--- 1 --->|
 
 No stresses within the criterion carry more than Prandtl's load, whatever the soil dilates, and flow
-that is not associated may do with less. How much less has been answered by elasto-plastic
-steps, whose loads oscillate, and by fits to them. Here each load factor is that of a limit state of
-the mesh, with a certificate. From `psi = 2 phi/3` on it is within 2 % of the associated one of the
-same mesh, and all searches come to the same. Without dilation states are many: on one mesh of 512
+that is not associated may do with less. How much less has been answered by elasto-plastic steps,
+whose loads oscillate, and by fits to them. Here each load factor is that of a limit state of the
+mesh, with a certificate. From `psi = 2 phi/3` on it is within 2 % of the associated one of the same
+mesh, and all searches give the same value. Without dilation states are many: on one mesh of 512
 triangles loads from 26 to 30.4 are certified alike (`lacore.soil_range`), and where flow localises
 the lower ones appear.
 """
@@ -31,7 +31,10 @@ from lacore_verification.cases.shared.friction_inside import UNFIT
 
 
 def build(nx: int, ny: int, ratio: float, angle: float, dilation: float) -> "la.Problem":
-    """The right half, as of `strip-footing`, in a space that is not strict by itself."""
+    """Return the problem.
+
+    The right half, as of `strip-footing`, in a space that is not strict by itself.
+    """
     problem = strip_footing.build(nx, ny, ratio, angle, 0.0, 0.0)
     (mesh,) = (body.mesh for body in of_kind(problem.bodies, la.Body).values())
     soil = la.MohrCoulomb(1.0, angle, dilation_angle=dilation)
@@ -48,14 +51,14 @@ def _n_c(angle: float) -> float:
 
 
 def _davis(angle: float, dilation: float) -> float:
-    """N_c with Davis's strength, per c."""
+    """Return N_c with Davis's strength, per c."""
     phi, psi = radians(angle), radians(dilation)
     beta = cos(psi) * cos(phi) / (1 - sin(psi) * sin(phi))
     return beta * _n_c(degrees(atan(beta * tan(phi))))
 
 
 def _fitted(angle: float, dilation: float) -> float:
-    """N_c by the fit of Loukidis and Salgado."""
+    """Return N_c by the fit of Loukidis and Salgado."""
     phi, psi = radians(angle), radians(dilation)
     less = 1 - tan(phi) * tan(0.8 * (phi - psi)) ** 2.5
     n_q = exp(less * pi * tan(phi)) * (1 + sin(phi)) / (1 - sin(phi))
@@ -63,7 +66,7 @@ def _fitted(angle: float, dilation: float) -> float:
 
 
 def beside(angle: float, dilation: float) -> tuple[Beside, ...]:
-    """What is published, and what Davis's strength carries."""
+    """Return further values: what is published, and what Davis's strength carries."""
     return (
         Beside(
             "Loukidis and Salgado 2009",
@@ -79,7 +82,7 @@ def beside(angle: float, dilation: float) -> tuple[Beside, ...]:
 
 
 def reference(angle: float, dilation: float) -> Reference:
-    """Between what Davis's strength carries and what associated flow does."""
+    """Return the reference: between what Davis's strength carries and what associated flow does."""
     return Reference(
         _davis(angle, dilation),
         "from N_c with Davis's strength (T55) to N_c of associated flow",
@@ -91,7 +94,7 @@ def reference(angle: float, dilation: float) -> Reference:
 
 
 def band(elements: int, angle: float, dilation: float) -> Band:
-    """Above by what the mesh errs by with associated flow."""
+    """Return the band: above by what the mesh errs by with associated flow."""
     upper = strip_footing.band(elements, angle, 0.0, 0.0)
     return Band(
         upper.below,

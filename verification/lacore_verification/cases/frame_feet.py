@@ -21,12 +21,12 @@ from lacore_verification.cases import portal_beam
 
 
 def build(mu: float, Mp: float, h: float, L: float) -> "la.Problem":
-    """The portal of `portal-beam` without dead load."""
+    """Return the problem: the portal of `portal-beam` without dead load."""
     return portal_beam.build(mu, 0.0, Mp, h, L)
 
 
 def reference(mu: float, Mp: float, h: float, L: float) -> Reference:
-    """Feet or beam."""
+    """Return the reference: feet or beam."""
     value = 4 * Mp / (L - 2 * mu * h) if mu * h <= L / 4 else 8 * Mp / L
     return Reference(
         value,
@@ -38,7 +38,7 @@ def reference(mu: float, Mp: float, h: float, L: float) -> Reference:
 
 
 def band(elements: int, mu: float, Mp: float, h: float, L: float) -> Band:
-    """Rigid between hinges."""
+    """Return the band: rigid between hinges."""
     return rigid(0.0)
 
 

@@ -33,7 +33,7 @@ _PEAKS = {law: peak(cylinder(LAWS[law], INNER, OUTER)) for law in ("linear-3", "
 
 
 def build(n: int, law: str, steps: int, scheme: str) -> "la.Problem":
-    """A row of quadrilaterals; yield stress 1 at the beginning."""
+    """Return the problem: a row of quadrilaterals; yield stress 1 at the beginning."""
     mesh = la.meshes.quadrilaterals(
         (INNER, OUTER), (0, HEIGHT), n, 1, grade_x=(INNER, OUTER / INNER)
     )
@@ -46,7 +46,7 @@ def build(n: int, law: str, steps: int, scheme: str) -> "la.Problem":
 
 
 def path(law: str, steps: int, scheme: str) -> Following:
-    """The bore moves outwards by half of its radius."""
+    """Return the path: the bore moves outwards by half of its radius."""
     tube = cylinder(LAWS[law], INNER, OUTER)
     exact = scheme == "implicit-midpoint"
     return Following(
@@ -61,7 +61,7 @@ def path(law: str, steps: int, scheme: str) -> Following:
 
 
 def reference(law: str, steps: int, scheme: str) -> Reference:
-    """The pressure at the last load."""
+    """Return the reference: the pressure at the last load."""
     at = last_load(TRAVEL, steps, scheme)
     return Reference(
         pressure(cylinder(LAWS[law], INNER, OUTER), INNER + at),
@@ -72,7 +72,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, steps: int, scheme: str) -> Band:
-    """Of the steps; that of the elements is hardly to be seen."""
+    """Return the band: of the steps; that of the elements is hardly to be seen."""
     mesh = _MESH * elements**-4 + SOLVER
     if scheme not in _STEPS:
         return Band(

@@ -42,7 +42,7 @@ _PEAKS = {law: peak(sphere(LAWS[law], INNER, OUTER)) for law in ("linear-3", "vo
 
 
 def build(n_radial: int, n_angular: int, law: str, steps: int, scheme: str) -> "la.Problem":
-    """The quarter of the static case; yield stress 1 at the beginning."""
+    """Return the problem: the quarter of the static case; yield stress 1 at the beginning."""
     static = thick_sphere.build(n_radial, n_angular, "q2")
     body = static.bodies["sphere"]
     assert isinstance(body, la.Body)
@@ -51,7 +51,7 @@ def build(n_radial: int, n_angular: int, law: str, steps: int, scheme: str) -> "
 
 
 def path(law: str, steps: int, scheme: str) -> Following:
-    """The equator of the bore moves outwards by half of its radius."""
+    """Return the path: the equator of the bore moves outwards by half of its radius."""
     shell = sphere(LAWS[law], INNER, OUTER)
     return Following(
         TRAVEL,
@@ -64,7 +64,7 @@ def path(law: str, steps: int, scheme: str) -> Following:
 
 
 def reference(law: str, steps: int, scheme: str) -> Reference:
-    """The pressure at the last load."""
+    """Return the reference: the pressure at the last load."""
     at = last_load(TRAVEL, steps, scheme)
     return Reference(
         pressure(sphere(LAWS[law], INNER, OUTER), INNER + at),
@@ -75,7 +75,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, steps: int, scheme: str) -> Band:
-    """Of the steps and of the elements."""
+    """Return the band: of the steps and of the elements."""
     coefficient, order = _STEPS[scheme]
     mesh = thick_sphere.band(elements, "q2").above
     allowed = _SAFETY * coefficient * steps**-order + mesh

@@ -9,11 +9,12 @@ r"""A block on a slope is pushed across it, along its contour line.
       ___/    |    |/                  |    | <--- alpha W
     _/ beta   +----+                   +----+
 
-The weight already uses part of the friction, downhill; what is left across the slope is the other
+The weight already uses part of the friction, downhill; the rest, across the slope, is the other
 side of a right triangle. The block slides neither downhill nor across, but along the resultant. It
-does not turn: pushed at its centroid, its pressure moves along that resultant, too. No problem of
-the plane shows that. The load is therefore unique although the pressures at four corners are not:
-below it, equal shares of the friction at every corner balance the resultant for any of them.
+does not turn: pushed at its centroid, its pressure moves along that resultant, too. No
+two-dimensional problem shows that. The load is therefore unique although the pressures at four
+corners are not: below it, equal shares of the friction at every corner balance the resultant for
+any of them.
 """
 
 from math import cos, sin, sqrt
@@ -24,7 +25,10 @@ from lacore_verification.cases.shared.solids import on_floor
 
 
 def build(mu: float, beta: float) -> "la.Problem":
-    """Block and slope, z normal to it, y along the contour line, downhill along x."""
+    """Return the problem.
+
+    Block and slope, z normal to it, y along the contour line, downhill along x.
+    """
     blocks = la.BlockAssembly3D(on_floor(1.0, 0.2), mu)
     weight = 1 / 0.2
     return la.Problem(
@@ -38,19 +42,19 @@ def build(mu: float, beta: float) -> "la.Problem":
 
 
 def reference(mu: float, beta: float) -> Reference:
-    """A right triangle of forces."""
+    """Return the reference: a right triangle of forces."""
     value = sqrt((mu * cos(beta)) ** 2 - sin(beta) ** 2)
     formula = "W sqrt(mu^2 cos^2(beta) - sin^2(beta))"
     return Reference(value, formula, "equilibrium, by hand", "exact", associated=value)
 
 
 def valid(mu: float, beta: float) -> bool:
-    """The block stays on the slope by itself."""
+    """Return whether the parameters are valid: the block stays on the slope by itself."""
     return mu * cos(beta) > sin(beta)
 
 
 def band(elements: int, mu: float, beta: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -77,18 +77,18 @@ def _height(theta: float) -> float:
 
 
 def slip_force(theta: float, q: float, length: float) -> float:
-    """Force with which the joint slips after uniform compression to a length, initially 1."""
+    """Return the force for slip after uniform compression to a length, initially 1."""
     angle = atan(length**2 * tan(radians(theta)))
     return q * tan(angle) / tan(angle - atan(_FRICTION)) * WIDTH / length
 
 
 def yield_force(law: str, q: float, length: float) -> float:
-    """Force with which the prism yields after uniform compression to a length, initially 1."""
+    """Return the force for yielding after uniform compression to a length, initially 1."""
     return q * WIDTH / length + strip_force(LAWS[law], length, WIDTH)
 
 
 def force(law: str, theta: float, q: float, travel: float) -> float:
-    """The smaller of the two loads: slip leaves the shape of the bodies as it is."""
+    """Return the smaller of the two loads: slip leaves the shape of the bodies as it is."""
     first = slip_force(theta, q, 1.0)
     if first <= yield_force(law, q, 1.0):
         return first
@@ -97,7 +97,7 @@ def force(law: str, theta: float, q: float, travel: float) -> float:
 
 
 def path(law: str, theta: float, q: float, slave: str, steps: int, scheme: str) -> Following:
-    """The upper platen moves down."""
+    """Return the path: the upper platen moves down."""
     return Following(
         TRAVEL,
         steps,
@@ -110,7 +110,7 @@ def path(law: str, theta: float, q: float, slave: str, steps: int, scheme: str) 
 
 
 def reference(law: str, theta: float, q: float, slave: str, steps: int, scheme: str) -> Reference:
-    """Yielding or slip."""
+    """Return the yielding or slip."""
     return Reference(
         force(law, theta, q, last_load(TRAVEL, steps, scheme)),
         "w min(q + 2 k, q tan t/tan(t - phi))",
@@ -122,7 +122,7 @@ def reference(law: str, theta: float, q: float, slave: str, steps: int, scheme: 
 def band(
     elements: int, law: str, theta: float, q: float, slave: str, steps: int, scheme: str
 ) -> Band:
-    """Exact in space and time."""
+    """Return the band: exact in space and time."""
     return Band(
         _ALLOWED,
         _ALLOWED,

@@ -40,7 +40,10 @@ _ERRORS = {
 
 
 def build(nx: int, ny: int, ratio: float, slenderness: float) -> "la.Problem":
-    """The right half, graded towards the edge of the footing; `slenderness` is B/H."""
+    """Return the problem.
+
+    The right half, graded towards the edge of the footing; `slenderness` is B/H.
+    """
     depth = WIDTH / slenderness
     mesh = la.meshes.rectangle(
         x=(0, 4),
@@ -66,7 +69,7 @@ def _under_footing(x: Floats) -> Bools:
 
 
 def reference(slenderness: float) -> Reference:
-    """Bounds from both sides."""
+    """Return the reference: bounds from both sides."""
     low, high = _BOUNDS[slenderness]
     return Reference(
         (low + high) / 2,
@@ -79,7 +82,7 @@ def reference(slenderness: float) -> Reference:
 
 
 def band(elements: int, slenderness: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERRORS[slenderness].strict(elements)
 
 

@@ -44,7 +44,7 @@ _CONVERGENCE = {
 
 
 def build(nx: int, ny: int, ratio: float, below: float) -> "la.Problem":
-    """The right half, cells graded towards the edge of the footing."""
+    """Return the problem: the right half, cells graded towards the edge of the footing."""
     width, depth = _BOX[below]
     layers = {"upper": (-0.5, 0.0), "lower": (-depth, -0.5)}
     mesh = la.meshes.layered((0, width), layers, nx, ny, grade_x=(0.5, ratio))
@@ -65,7 +65,10 @@ def _under(x: Floats) -> Bools:
 
 
 def reference(below: float) -> Reference:
-    """A strict bracket of both bounds, on meshes refined where they differ."""
+    """Return the reference.
+
+    A strict bracket of both bounds, on meshes refined where they differ.
+    """
     value, half = _BRACKETS[below]
     return Reference(
         value,
@@ -78,7 +81,7 @@ def reference(below: float) -> Reference:
 
 
 def band(elements: int, below: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _CONVERGENCE[below].strict(elements)
 
 

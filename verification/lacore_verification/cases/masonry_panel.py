@@ -18,8 +18,8 @@ their distance, as between stiff slabs, so that the panel cannot open without be
 whatever they give. A strut runs from corner to corner, and a crack along it.
 
 Bed joints above and below the rocking panel stick and open; the ground is one, too. Masonry is a
-continuum: cracks are strains that cost nothing, crushing is paid for. Plane stress. With no tension
-at all no stress has room to be exact in, and no bound from below can be stated in floating point.
+continuum: cracks are strains that cost nothing, crushing is paid for. Plane stress. Without any
+tension no stress is inside the criterion, and no lower bound can be proven in floating point.
 """
 
 from math import hypot, sqrt
@@ -51,7 +51,7 @@ _CRUSHED = Convergence(
 
 
 def build(n: int, height: float, guided: bool, crushing: bool) -> "la.Problem":
-    """Even cells, n in the width."""
+    """Return the problem: even cells, n in the width."""
     mesh = la.meshes.rectangle(x=(0, 1), y=(0, height), nx=n, ny=round(n * height))
     panel = la.Body(mesh, la.NoTension(1.0 if crushing else None), kinematics="plane_stress")
     bed = la.Interface(("panel", "bottom"), la.RigidObstacle((0, 0), (0, 1)), la.STICK)
@@ -76,7 +76,7 @@ def build(n: int, height: float, guided: bool, crushing: bool) -> "la.Problem":
 
 
 def reference(height: float, guided: bool, crushing: bool) -> Reference:
-    """A strut from below, a crack or a rocking block from above."""
+    """Return the reference: a strut from below, a crack or a rocking block from above."""
     by_hand = "a strut from below, a mechanism from above; by hand"
     if guided:
         return Reference(
@@ -100,19 +100,22 @@ def reference(height: float, guided: bool, crushing: bool) -> Reference:
 
 
 def valid(height: float, guided: bool, crushing: bool) -> bool:
-    """Between floors nothing bounds the load but crushing."""
+    """Return whether the parameters are valid.
+
+    Between floors nothing bounds the load but crushing.
+    """
     return crushing or not guided
 
 
 def band(elements: int, height: float, guided: bool, crushing: bool) -> Band:
-    """Strict upper bound; what does not crush turns as a rigid block."""
+    """Return the band: strict upper bound; what does not crush turns as a rigid block."""
     if not crushing:
         return exact_patch("a block that turns about its toe is in every space.")
     return (_GUIDED if guided else _CRUSHED).strict(elements)
 
 
 def order(height: float, guided: bool, crushing: bool) -> Order | None:
-    """That of a crack across even cells."""
+    """Return the order of convergence: that of a crack across even cells."""
     if not guided or height != 1:
         return None
     return Order(

@@ -25,7 +25,10 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 def build(
     mu: float, adhesion: float, share: float, beta: float, W: float, b: float, h: float, off: bool
 ) -> "la.Problem":
-    """The origin is the middle of the bed; `share`: of the apex c_a/mu, the strength in tension."""
+    """Return the problem.
+
+    The origin is the middle of the bed; `share`: of the apex c_a/mu, the strength in tension.
+    """
     along, across = (cos(beta), sin(beta)), (-sin(beta), cos(beta))
 
     def box(half: float, low: float, high: float) -> list[tuple[float, float]]:
@@ -45,7 +48,7 @@ def build(
 def reference(
     mu: float, adhesion: float, share: float, beta: float, W: float, b: float, h: float, off: bool
 ) -> Reference:
-    """Sliding, or opening about the lower end of the bed."""
+    """Return the reference: sliding, or opening about the lower end of the bed."""
     if off:
         value = share * adhesion / mu * b + W * cos(beta) - W * sin(beta) * h / b
         formula = "T b + W (cos b - h/b sin b)"
@@ -58,7 +61,9 @@ def reference(
 def valid(
     mu: float, adhesion: float, share: float, beta: float, W: float, b: float, h: float, off: bool
 ) -> bool:
-    """Pushed, it does not topple; pulled, the bed carries the weight along it.
+    """Return whether the parameters are valid.
+
+    Pushed, it does not topple; pulled, the bed carries the weight along it.
 
     All forces act at the centroid: pushed by friction F, the pressure at the rear edge of the bed
     is ``W cos b/b - F h/b^2``, and no less than -T. Pulled off, the bed has left ``c_a - mu T``.
@@ -81,7 +86,7 @@ def band(
     h: float,
     off: bool,
 ) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W + adhesion * b * (1 + share / mu))
 
 

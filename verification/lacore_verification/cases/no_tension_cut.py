@@ -17,7 +17,8 @@ wedge gives where tension is carried. On a mesh the column is one element wide.
 
 Soil that nothing presses, next to the face, has no stress to spare, and no bound from below can be
 stated exactly. On the finest mesh, where strain rates grow with the thinness of the column, no
-solver comes to the bar of the certificate: residuals of 1e-6 to 1e-5 are left, and lacore says so.
+solver reaches the tolerance of the certificate: residuals of 1e-6 to 1e-5 remain, which lacore
+reports.
 """
 
 from math import pi, radians, tan
@@ -40,7 +41,7 @@ _UNFIT = {
 
 
 def build(n: int, angle: float, ratio: float = 0.0) -> "la.Problem":
-    """Soil beside the face; even cells, as graded ones leave the certificate its bar sooner.
+    """Return soil next to the face; even cells, as graded ones exceed the tolerance sooner.
 
     With a `ratio` cells are graded towards the toe.
     """
@@ -54,7 +55,7 @@ def build(n: int, angle: float, ratio: float = 0.0) -> "la.Problem":
 
 
 def reference(angle: float, ratio: float = 0.0) -> Reference:
-    """The column, and vertical stresses that carry as much."""
+    """Return the reference: the column, and vertical stresses that carry as much."""
     return Reference(
         2 * tan(pi / 4 + radians(angle) / 2),
         "2 tan(45 + phi/2)",
@@ -64,12 +65,15 @@ def reference(angle: float, ratio: float = 0.0) -> Reference:
 
 
 def band(elements: int, angle: float, ratio: float = 0.0) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return (_GRADED if ratio else _ERROR).strict(elements)
 
 
 def order(angle: float, ratio: float = 0.0) -> Order | None:
-    """That of the width of the column; none of graded meshes, whose cells differ in shape."""
+    """Return the order of convergence.
+
+    That of the width of the column; none of graded meshes, whose cells differ in shape.
+    """
     if ratio:
         return None
     return Order(

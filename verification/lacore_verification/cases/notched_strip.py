@@ -37,7 +37,7 @@ _ERROR = Convergence(1.033, 0.543, "36 to 4624 elements: 17.1, 5.90, 3.04, 1.92,
 
 
 def build(nx: int, ny: int, ratio: float) -> "la.Problem":
-    """A quarter, graded towards the tip of the notch."""
+    """Return the problem: a quarter, graded towards the tip of the notch."""
     mesh = la.meshes.rectangle(
         x=(0, 1),
         y=(0, LENGTH),
@@ -58,7 +58,10 @@ def _ligament(x: Floats) -> Bools:
 
 
 def reference() -> Reference:
-    """Notches between shallow and deep: the fan reaches the free side before it is complete."""
+    """Return the reference.
+
+    Notches between shallow and deep: the fan reaches the free side before it is complete.
+    """
     return Reference(
         2 * (1 - NOTCH) * (1 + log((1 - NOTCH / 2) / (1 - NOTCH))),
         "2 k (1 - a) (1 + ln((1 - a/2)/(1 - a)))",
@@ -68,12 +71,15 @@ def reference() -> Reference:
 
 
 def band(elements: int) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERROR.strict(elements)
 
 
 def order() -> Order:
-    """That of a singular point which a mild grading does not resolve: 1/2."""
+    """Return the order of convergence.
+
+    That of a singular point which a mild grading does not resolve: 1/2.
+    """
     sizes = ((4, 3.0), (6, 5.0), (8, 7.0), (12, 10.0), (16, 14.0))
     return Order(
         tuple({"nx": n, "ny": n, "ratio": ratio} for n, ratio in sizes),

@@ -35,7 +35,10 @@ _ERRORS = {
 
 
 def build(nx: int, ny: int, ratio: float, h: float) -> "la.Problem":
-    """A quarter, graded towards the edge of the punch; beyond it 1 + h of the strip."""
+    """Return the problem.
+
+    A quarter, graded towards the edge of the punch; beyond it 1 + h of the strip.
+    """
     mesh = la.meshes.rectangle(
         x=(0, 2 + h), y=(0, h), nx=nx, ny=ny, grade_x=(1.0, ratio * (1 + h)), grade_y=(h, ratio * h)
     )
@@ -51,7 +54,7 @@ def build(nx: int, ny: int, ratio: float, h: float) -> "la.Problem":
 
 
 def reference(h: float) -> Reference:
-    """Straight cuts, or the slip-line net."""
+    """Return the reference: straight cuts, or the slip-line net."""
     if h <= 1:
         return Reference(_NETS[1.0], "2 k", "by hand: uniform stress and straight cuts", "exact")
     return Reference(
@@ -64,7 +67,7 @@ def reference(h: float) -> Reference:
 
 
 def band(elements: int, h: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERRORS[h].strict(elements)
 
 
@@ -72,7 +75,10 @@ _ORDERS = {1.0: (0.755, 0.044), 2.0: (0.68, 0.054), 4.0: (0.61, 0.069)}  # with 
 
 
 def order(h: float) -> Order:
-    """Between 1/2, that of a fan without grading, and 1: the wider the fan, the lower."""
+    """Return the order of convergence.
+
+    Between 1/2, that of a fan without grading, and 1: the wider the fan, the lower.
+    """
     measured, interval = _ORDERS[h]
     sizes = ((6, 3, 5.0), (8, 4, 7.0), (12, 6, 10.0), (16, 8, 14.0), (22, 11, 20.0))
     return Order(

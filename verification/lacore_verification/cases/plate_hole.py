@@ -43,7 +43,7 @@ _ERROR = Convergence(
 
 
 def build(n_radial: int, n_angular: int, ratio: float) -> "la.Problem":
-    """The quarter, yield stress 1: load factors are in units of s0."""
+    """Return the problem: the quarter, yield stress 1: load factors are in units of s0."""
     body = la.Body(
         _quarter(n_radial, n_angular, ratio),
         la.VonMises(yield_stress=1.0),
@@ -58,7 +58,10 @@ def build(n_radial: int, n_angular: int, ratio: float) -> "la.Problem":
 
 
 def _quarter(n_radial: int, n_angular: int, ratio: float) -> MeshTri:
-    """Crossed cells on rays from the hole to the sides; `n_angular` is even, for the corner."""
+    """Return the crossed cells on rays from the hole to the sides.
+
+    `n_angular` is even, for the corner.
+    """
     cells = MeshQuad.init_tensor(
         graded(0.0, 1.0, n_radial, (0.0, ratio)), np.linspace(0.0, pi / 2, n_angular + 1)
     )
@@ -78,7 +81,7 @@ def _quarter(n_radial: int, n_angular: int, ratio: float) -> MeshTri:
 
 
 def reference() -> Reference:
-    """Bounds around the published value."""
+    """Return the reference: bounds around the published value."""
     low, high = _BOUNDS
     return Reference(
         (low + high) / 2,
@@ -90,12 +93,15 @@ def reference() -> Reference:
 
 
 def band(elements: int) -> Band:
-    """Straight edges on the hole."""
+    """Return the band: straight edges on the hole."""
     return _ERROR.two_sided(elements, "straight edges replace the circle.")
 
 
 def _bracketing(mesh: str) -> Bracketing:
-    """The polygon lies in the circle, so that the plate is no weaker; and around a smaller one."""
+    """Return the polygon lies in the circle, so that the plate is no weaker.
+
+    And around a smaller one.
+    """
     turn = pi / 2 / _MESHES[mesh]["n_angular"]
     off = RADIUS * (1 - cos(turn / 2)) / (1 - RADIUS)
     return Bracketing(

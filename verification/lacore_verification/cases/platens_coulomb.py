@@ -42,7 +42,7 @@ _STICK = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, mu: float) -> "la.Problem":
-    """The quarter, graded towards the edge of the platen."""
+    """Return the problem: the quarter, graded towards the edge of the platen."""
     mesh = la.meshes.rectangle(
         x=(0, WIDTH), y=(0, HEIGHT), nx=nx, ny=ny, grade_x=(WIDTH, ratio), grade_y=(HEIGHT, ratio)
     )
@@ -55,7 +55,10 @@ def build(nx: int, ny: int, ratio: float, mu: float) -> "la.Problem":
 
 
 def reference(mu: float) -> Reference:
-    """Numerical solutions of the slip-line problem; with much friction that of sticking platens."""
+    """Return the reference.
+
+    Numerical solutions of the slip-line problem; with much friction that of sticking platens.
+    """
     if mu >= 0.3:
         return Reference(
             _STICKING,
@@ -86,7 +89,10 @@ def reference(mu: float) -> Reference:
 
 
 def beside(mu: float) -> tuple[Beside, ...]:
-    """What is no reference, as associated friction is proven to carry less."""
+    """Return further values.
+
+    What is no reference, as associated friction is proven to carry less.
+    """
     if mu != 0.2:
         return ()
     source = f"refined finite elements, extrapolated, to +- {_PUBLISHED_TO}"
@@ -94,13 +100,15 @@ def beside(mu: float) -> tuple[Beside, ...]:
 
 
 def band(elements: int, mu: float) -> Band:
-    """Converges from above, but frozen Coulomb friction makes no bounds."""
+    """Return the band: converges from above, but frozen Coulomb friction makes no bounds."""
     error = _STICK if mu >= 0.3 else _SLIDING
     return error.two_sided(elements, "frozen Coulomb friction is not associated.")
 
 
 def order(mu: float) -> Order | None:
-    """With sticking platens alone; where they slide, references are no better than the errors.
+    """Return the order of convergence.
+
+    With sticking platens alone; where they slide, references are no better than the errors.
 
     From 288 elements on these are smaller than the half width of the reference, 0.13 %.
     """

@@ -11,9 +11,9 @@ r"""A block of soil twice as wide as high is pressed between two sticking platen
 
 The platens confine the soil, and a soil with friction is the stronger for it: at 30 degrees four
 times as strong as without platens. If it dilates by all of its friction the load is enclosed by
-strict bounds. If it dilates less it pushes less against what confines it: with 20 degrees the load
-is 2 % lower on the same mesh, and all searches come to the same; without dilation 10 to 20 % lower,
-and what is certified depends on where one starts.
+strict bounds. With a smaller dilation angle it pushes less against the platens: with 20 degrees the
+load is 2 % lower on the same mesh, and all searches give the same value; without dilation 10 to 20
+% lower, and what is certified depends on where one starts.
 """
 
 import lacore as la
@@ -30,7 +30,7 @@ _ERROR = Convergence(2.97, 0.68, "32 to 512 elements: 29.3, 15.5, 10.5, 6.3, 4.4
 
 
 def build(nx: int, ny: int, ratio: float, dilation: float) -> "la.Problem":
-    """The quarter, graded towards the edge of the platen."""
+    """Return the problem: the quarter, graded towards the edge of the platen."""
     mesh = la.meshes.rectangle(
         x=(0, 1), y=(0, 0.5), nx=nx, ny=ny, grade_x=(1.0, ratio), grade_y=(0.5, ratio)
     )
@@ -45,7 +45,10 @@ def build(nx: int, ny: int, ratio: float, dilation: float) -> "la.Problem":
 
 
 def reference(dilation: float) -> Reference:
-    """Between strict bounds; with less dilation from Davis's strength to them."""
+    """Return the reference.
+
+    Between strict bounds; with less dilation from Davis's strength to them.
+    """
     low, high = _ASSOCIATED
     if dilation == ANGLE:
         return Reference(
@@ -65,7 +68,10 @@ def reference(dilation: float) -> Reference:
 
 
 def beside(dilation: float) -> tuple[Beside, ...]:
-    """What Davis's strength carries of the continuum, and associated flow."""
+    """Return further values.
+
+    What Davis's strength carries of the continuum, and associated flow.
+    """
     low, high = _ASSOCIATED
     if dilation == ANGLE:
         return ()
@@ -79,7 +85,10 @@ def beside(dilation: float) -> tuple[Beside, ...]:
 
 
 def band(elements: int, dilation: float) -> Band:
-    """Strict upper bound; of other flow never above the associated load of the mesh."""
+    """Return the band.
+
+    Strict upper bound; of other flow never above the associated load of the mesh.
+    """
     return _ERROR.strict(elements)
 
 

@@ -38,7 +38,7 @@ _ERROR = Convergence(
 
 
 def build(n: int, mu: float) -> "la.Problem":
-    """The quarter on n x n square cells."""
+    """Return the problem: the quarter on n x n square cells."""
     mesh = la.meshes.rectangle(x=(0, SIDE), y=(0, SIDE), nx=n, ny=n)
     return la.Problem(
         bodies={"block": la.Body(mesh, la.VonMises(shear_strength=1.0))},
@@ -49,17 +49,20 @@ def build(n: int, mu: float) -> "la.Problem":
 
 
 def reference(mu: float) -> Reference:
-    """Uniform compression."""
+    """Return the reference: uniform compression."""
     return Reference(2.0, "2 k", "uniform stress and the mechanism of diagonal cuts", "exact")
 
 
 def band(elements: int, mu: float) -> Band:
-    """Strict for every friction: uniform stress needs none on the platens."""
+    """Return the band: strict for every friction: uniform stress needs none on the platens."""
     return _ERROR.strict(elements)
 
 
 def order(mu: float) -> Order | None:
-    """What was measured; with still less friction it grows along the whole ladder."""
+    """Return the order of convergence.
+
+    What was measured; with still less friction it grows along the whole ladder.
+    """
     meshes = tuple({"n": n} for n in (4, 6, 8, 12, 16))
     if mu >= 0.3:
         reason = (
@@ -79,7 +82,7 @@ def order(mu: float) -> Order | None:
 
 
 def sketch(axes: "Axes", problem: "la.Problem") -> None:
-    """The cut."""
+    """Draw the cut."""
     axes.plot([0, SIDE], [0, SIDE], color="#7a6a3a", lw=1.0, ls=(0, (5, 3)), zorder=3.5)
 
 

@@ -22,7 +22,7 @@ from lacore_verification.cases.portal_sway import WEAK, portal
 
 
 def build(mu: float, P: float, Mp: float, h: float, L: float) -> "la.Problem":
-    """Dead load P on each column, alpha at mid-span."""
+    """Return the problem: dead load P on each column, alpha at mid-span."""
     frame, feet = portal(mu, Mp, h, L)
     dead = [la.PointForce("portal", node, (0, -P)) for node in ("B", "C")] if P > 0 else []
     return la.Problem(
@@ -34,7 +34,7 @@ def build(mu: float, P: float, Mp: float, h: float, L: float) -> "la.Problem":
 
 
 def reference(mu: float, P: float, Mp: float, h: float, L: float) -> Reference:
-    """The smaller of two mechanisms."""
+    """Return the reference: the smaller of two mechanisms."""
     value = 8 * Mp / L
     if 2 * mu * h < L:
         value = min(value, 4 * (Mp + mu * h * P) / (L - 2 * mu * h))
@@ -48,7 +48,7 @@ def reference(mu: float, P: float, Mp: float, h: float, L: float) -> Reference:
 
 
 def band(elements: int, mu: float, P: float, Mp: float, h: float, L: float) -> Band:
-    """Rigid between hinges."""
+    """Return the band: rigid between hinges."""
     return rigid(2 * P)
 
 

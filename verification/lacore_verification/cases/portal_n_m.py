@@ -19,7 +19,7 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def build(P: float, Np: float, Mp: float, h: float, L: float) -> "la.Problem":
-    """Dead load P on each column, alpha at beam level."""
+    """Return the problem: dead load P on each column, alpha at beam level."""
     column = la.sections.Section(((-Np, 0.0), (0.0, Mp), (Np, 0.0)), "column")
     frame = la.Frame(
         nodes={"A": (0, 0), "B": (0, h), "C": (L, h), "D": (L, 0)},
@@ -35,19 +35,19 @@ def build(P: float, Np: float, Mp: float, h: float, L: float) -> "la.Problem":
 
 
 def valid(P: float, Np: float, Mp: float, h: float, L: float) -> bool:
-    """Both columns are compressed, and none is crushed."""
+    """Return whether the parameters are valid: both columns are compressed, and none is crushed."""
     shear = 2 * Mp * (1 - P / Np) / L
     return shear <= P <= Np - shear
 
 
 def reference(P: float, Np: float, Mp: float, h: float, L: float) -> Reference:
-    """Sway."""
+    """Return the reference: sway."""
     value = 4 * Mp * (1 - P / Np) / h
     return Reference(value, "4 Mp (1 - P/Np)/h", "equilibrium, by hand", "exact", associated=value)
 
 
 def band(elements: int, P: float, Np: float, Mp: float, h: float, L: float) -> Band:
-    """Rigid between hinges."""
+    """Return the band: rigid between hinges."""
     return rigid(2 * P)
 
 

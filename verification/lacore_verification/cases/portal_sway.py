@@ -21,7 +21,7 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def portal(mu: float, Mp: float, h: float, L: float) -> "tuple[la.Frame, list[la.Interface]]":
-    """The frame, its corners at height h and a node at mid-span, and its feet on the floor."""
+    """Return the frame, its corners at height h and a node at mid-span, and its feet."""
     frame = la.Frame(
         nodes={"A": (0, 0), "B": (0, h), "M": (L / 2, h), "C": (L, h), "D": (L, 0)},
         members=[("A", "B"), ("B", "M"), ("M", "C"), ("C", "D")],
@@ -32,7 +32,7 @@ def portal(mu: float, Mp: float, h: float, L: float) -> "tuple[la.Frame, list[la
 
 
 def build(mu: float, P: float, Mp: float, h: float, L: float) -> "la.Problem":
-    """Dead load P on each column, alpha at beam level."""
+    """Return the problem: dead load P on each column, alpha at beam level."""
     frame, feet = portal(mu, Mp, h, L)
     return la.Problem(
         bodies={"portal": frame},
@@ -43,7 +43,7 @@ def build(mu: float, P: float, Mp: float, h: float, L: float) -> "la.Problem":
 
 
 def reference(mu: float, P: float, Mp: float, h: float, L: float) -> Reference:
-    """The least of four mechanisms."""
+    """Return the reference: the least of four mechanisms."""
     value = min(2 * Mp / h, 2 * mu * P, (mu * P + Mp / h) / (1 + mu * h / L), P * L / h)
     return Reference(
         value,
@@ -55,7 +55,7 @@ def reference(mu: float, P: float, Mp: float, h: float, L: float) -> Reference:
 
 
 def band(elements: int, mu: float, P: float, Mp: float, h: float, L: float) -> Band:
-    """Rigid between hinges."""
+    """Return the band: rigid between hinges."""
     return rigid(2 * P)
 
 

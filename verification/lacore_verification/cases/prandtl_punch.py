@@ -54,7 +54,7 @@ _LADDER = tuple(
 
 
 def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> "la.Problem":
-    """The right half, graded towards the edge of the footing."""
+    """Return the problem: the right half, graded towards the edge of the footing."""
     mesh = la.meshes.rectangle(
         x=(0, 4), y=(-2, 0), nx=nx, ny=ny, grade_x=(1.0, ratio_x), grade_y=(0.0, ratio_y)
     )
@@ -74,19 +74,25 @@ def _under_footing(x: Floats) -> Bools:
 
 
 def reference(rough: bool) -> Reference:
-    """Prandtl's solution, for either footing."""
+    """Return the reference: Prandtl's solution, for either footing."""
     return Reference(
         2 + pi, "(2 + pi) k", "Prandtl 1920; Hill, The Mathematical Theory of Plasticity", "exact"
     )
 
 
 def band(elements: int, rough: bool) -> Band:
-    """Strict upper bound; a rough footing adds a stress jump at its surface, hence more error."""
+    """Return the band.
+
+    Strict upper bound; a rough footing adds a stress jump at its surface, hence more error.
+    """
     return (_ROUGH if rough else _SMOOTH).strict(elements)
 
 
 def order(rough: bool) -> Order:
-    """Graded meshes win back most of what the singular edge costs."""
+    """Return the order of convergence.
+
+    Graded meshes win back most of what the singular edge costs.
+    """
     if rough:
         return Order(
             _LADDER,
@@ -107,7 +113,7 @@ def order(rough: bool) -> Order:
 
 
 def sketch(axes: "Axes", problem: "la.Problem") -> None:
-    """The three zones."""
+    """Draw the three zones."""
     turn = np.linspace(-3 * pi / 4, -pi / 4, 40)
     fan_x, fan_y = 1 + sqrt(2) * np.cos(turn), sqrt(2) * np.sin(turn)
     for line in (([*fan_x, 3], [*fan_y, 0]), ([0, 1, 2], [-1, 0, -1])):

@@ -19,7 +19,7 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def build(right: str, Mp: float, L: float) -> "la.Problem":
-    """One member, no node in between."""
+    """Return the problem: one member, no node in between."""
     beam = la.Frame({"A": (0, 0), "B": (L, 0)}, {"beam": ("A", "B")}, plastic_moment=Mp)
     return la.Problem(
         bodies={"beam": beam},
@@ -29,7 +29,7 @@ def build(right: str, Mp: float, L: float) -> "la.Problem":
 
 
 def reference(right: str, Mp: float, L: float) -> Reference:
-    """Both ends clamped, or one."""
+    """Return the reference: both ends clamped, or one."""
     factor, formula = {
         "clamped": (16.0, "16 Mp/L^2"),
         "y": (6 + 4 * sqrt(2), "(6 + 4 sqrt 2) Mp/L^2"),
@@ -39,7 +39,7 @@ def reference(right: str, Mp: float, L: float) -> Reference:
 
 
 def band(elements: int, right: str, Mp: float, L: float) -> Band:
-    """Rigid between hinges, whose places are found to all digits."""
+    """Return the band: rigid between hinges, whose places are found to all digits."""
     return rigid(0.0)
 
 

@@ -23,7 +23,7 @@ STOP = (0.25, 0.75)  # of the height of the upper block: where it touches the st
 
 
 def build(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> "la.Problem":
-    """Two blocks and the stop."""
+    """Return the problem: two blocks and the stop."""
     rectangle = la.masonry.rectangle
     low, high = (HEIGHT * (1 + part) for part in STOP)
     blocks = la.BlockAssembly(
@@ -48,12 +48,15 @@ def build(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> "la.Prob
 
 
 def pressures(mu2: float, mu_w: float, W2: float) -> tuple[float, float]:
-    """Smallest and largest normal force N between the blocks."""
+    """Return the smallest and largest normal force N between the blocks."""
     return W2 / (1 + mu2 * mu_w), W2 / (1 - mu2 * mu_w)
 
 
 def reference(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> Reference:
-    """The interval that the stop's friction opens; its upper end is the associated load."""
+    """Return the reference.
+
+    The interval that the stop's friction opens; its upper end is the associated load.
+    """
     low, high = (mu2 * N + mu1 * (W1 + N) for N in pressures(mu2, mu_w, W2))
     source = "equilibrium, by hand; ends confirmed by mixed-integer programming"
     if mu_w > 0:
@@ -63,11 +66,13 @@ def reference(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> Refe
 
 
 def valid(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> bool:
-    """The upper block does not lock against the stop (mu2 mu_w < 1), and nothing topples.
+    """Return whether the parameters are valid.
 
-    On the upper block friction mu2 N at its base and the stop's reaction turn it by at most
-    mu2 N h2, the stop's friction by mu_w mu2 N b2/2: N stays within half the width. The lower
-    block is pulled at half its height, against friction on both its faces.
+    The upper block does not lock against the stop (mu2 mu_w < 1), and nothing topples.
+
+    On the upper block friction mu2 N at its base and the stop's reaction turn it by at most mu2 N
+    h2, the stop's friction by mu_w mu2 N b2/2: N stays within half the width. The lower block is
+    pulled at half its height, against friction on both its faces.
     """
     if mu2 * mu_w >= 1:
         return False
@@ -78,7 +83,7 @@ def valid(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> bool:
 
 
 def band(elements: int, mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W1 + W2)
 
 

@@ -12,9 +12,9 @@ r"""A rigid punch is driven into a half space until the elements at its edge are
                           u = 0
 
 The right half, as in the case prandtl-punch: the path begins at its load, between strict bounds.
-Then the material piles up beside the punch, and is drawn around its edge. There one element after
+Then the material piles up next to the punch, and is drawn around its edge. There one element after
 the other folds: the step that would turn the first inside out is not taken, and the path ends by
-its name, `inversion`, long before the travel asked for. Smaller steps would not help, a new mesh
+its name, `inversion`, long before the requested travel. Smaller steps would not help, a new mesh
 would. How deep a punch comes is a matter of the mesh, and no finding on the material.
 """
 
@@ -34,7 +34,7 @@ _TRAVEL = 1.0
 def build(
     nx: int, ny: int, ratio_x: float, ratio_y: float, law: str, rough: bool, steps: int, scheme: str
 ) -> "la.Problem":
-    """The half of the static case; yield stress 1 at the beginning."""
+    """Return the problem: the half of the static case; yield stress 1 at the beginning."""
     static = prandtl_punch.build(nx, ny, ratio_x, ratio_y, rough)
     soil = static.bodies["soil"]
     assert isinstance(soil, la.Body)
@@ -44,14 +44,14 @@ def build(
 
 
 def path(law: str, rough: bool, steps: int, scheme: str) -> Following:
-    """As deep as half of its width, if only the elements could."""
+    """Return the path: as deep as half of its width, if only the elements could."""
     return Following(
         _TRAVEL, steps, scheme, la.FootingTravel(), ending=Ending.INVERSION, bounded=True
     )
 
 
 def reference(law: str, rough: bool, steps: int, scheme: str) -> Reference:
-    """None: elements end it where they do."""
+    """Return no reference, as the elements determine where the path ends."""
     return Reference(
         nan,
         "not known; that with which the path begins lies between strict bounds",
@@ -62,7 +62,7 @@ def reference(law: str, rough: bool, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, rough: bool, steps: int, scheme: str) -> Band:
-    """Of nothing."""
+    """Return the band: of nothing."""
     return Band(0.0, 0.0, "The load at the end is not known.")
 
 

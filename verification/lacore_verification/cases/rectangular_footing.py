@@ -29,7 +29,10 @@ _ERROR = Convergence(0.397, 0.299, "48, 288, 864 tetrahedra: 12.5, 7.71, 5.24 % 
 
 
 def build(n: int, layers: int = 0, width: float = WIDTH, depth: float = DEPTH) -> "la.Problem":
-    """The quarter; an even n, half of it in depth or `layers`, two more along its length."""
+    """Return the problem.
+
+    The quarter; an even n, half of it in depth or `layers`, two more along its length.
+    """
     mesh = la.meshes.box(
         *((0, width), (0, LENGTH + width - 1), (-depth, 0)),
         *(n, n + 2, layers or n // 2),
@@ -47,17 +50,17 @@ def build(n: int, layers: int = 0, width: float = WIDTH, depth: float = DEPTH) -
 
 
 def under_footing(x: Floats) -> Bools:
-    """What the footing stands on."""
+    """Return whether places are under the footing."""
     return np.asarray((x[2] == 0) & (x[0] <= 1) & (x[1] <= LENGTH))
 
 
 def reference() -> Reference:
-    """What strict bounds leave."""
+    """Return the reference: what strict bounds leave."""
     return bounded(LOW, HIGH, "k", "strict bounds of our own on meshes that were adapted")
 
 
 def band(elements: int) -> Band:
-    """Strict; errors are those from the middle of the interval."""
+    """Return the band: strict; errors are those from the middle of the interval."""
     return _ERROR.strict(elements)
 
 

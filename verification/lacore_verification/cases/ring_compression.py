@@ -33,7 +33,7 @@ _STEPS = 0.08  # relative error of leapfrog loads and of the bore times the squa
 
 
 def build(nr: int, nz: int, mu: float, law: str, steps: int, scheme: str) -> "la.Problem":
-    """Half of the height, in triangles; yield stress 1 at the beginning."""
+    """Return the problem: half of the height, in triangles; yield stress 1 at the beginning."""
     mesh = la.meshes.rectangle((BORE, OUTSIDE), (0, HEIGHT), nr, nz)
     body = la.Body(mesh, la.VonMises(hardening=LAWS[law]), "axisymmetric", "p2-gauss")
     return la.Problem(
@@ -44,7 +44,7 @@ def build(nr: int, nz: int, mu: float, law: str, steps: int, scheme: str) -> "la
 
 
 def path(mu: float, law: str, steps: int, scheme: str) -> Following:
-    """To half of the height."""
+    """Return the path: to half of the height."""
     growth, allowed = 1 / sqrt(1 - TRAVEL / HEIGHT), 1.3 * _STEPS / steps**2
     low, high = (1.0, growth) if mu <= 0.05 else (0.0, 1.0)
     if mu == 0:
@@ -61,7 +61,7 @@ def path(mu: float, law: str, steps: int, scheme: str) -> Following:
 
 
 def bore(path: "la.Path") -> float:
-    """Present radius of the bore at mid-height, of the initial one."""
+    """Return the present radius of the bore at mid-height, of the initial one."""
     before, after = (path.snapshots[n].configuration.nodes["ring"] for n in (0, -1))
     node = int(np.argmin(np.hypot(before[0] - BORE, before[1])))
     return float(after[0, node] / before[0, node])
@@ -73,7 +73,7 @@ def _stress(law: str, travel: float) -> float:
 
 
 def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
-    """Exact without friction."""
+    """Return the reference: exact without friction."""
     if mu == 0:
         return Reference(
             _stress(law, last_load(TRAVEL, steps, scheme)),
@@ -91,7 +91,7 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, mu: float, law: str, steps: int, scheme: str) -> Band:
-    """Of the steps, without friction."""
+    """Return the band: of the steps, without friction."""
     if mu > 0:
         return Band(0.0, 0.0, "The load at the end is not known.")
     allowed = 1.3 * _STEPS / steps**2

@@ -32,7 +32,10 @@ JOINT = 1.5  # m, the radius at which the two tubes touch
 
 
 def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> "la.Problem":
-    """Half of n columns for each tube; the outer one has its own number of rows."""
+    """Return the problem.
+
+    Half of n columns for each tube; the outer one has its own number of rows.
+    """
 
     def tube(inner: float, outer: float, ny: int) -> "la.Body":
         mesh = la.meshes.quadrilaterals(
@@ -53,18 +56,18 @@ def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> "
 
 
 def path(law: str, rows: int, slave: str, steps: int, scheme: str) -> Following:
-    """The bore of the inner tube moves as that of one thick tube."""
+    """Return the path: the bore of the inner tube moves as that of one thick tube."""
     bore = la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0))
     return replace(hardening_cylinder.path(law, steps, scheme), control=bore, ladder=())
 
 
 def reference(law: str, rows: int, slave: str, steps: int, scheme: str) -> Reference:
-    """The pressure on one thick tube at the last load."""
+    """Return the reference: the pressure on one thick tube at the last load."""
     return hardening_cylinder.reference(law, steps, scheme)
 
 
 def band(elements: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> Band:
-    """That of one tube of as many columns: contact adds nothing."""
+    """Return the band: that of one tube of as many columns: contact adds nothing."""
     columns = 2 * elements // (1 + rows)
     whole = hardening_cylinder.band(columns, law, steps, scheme)
     return Band(

@@ -28,7 +28,7 @@ _ERRORS = {
 
 
 def build(n: int, space: str) -> "la.Problem":
-    """A sixteenth of a unit cube; yield stress 1."""
+    """Return the problem: a sixteenth of a unit cube; yield stress 1."""
     mesh = eighth(la.meshes.box((0, 0.5), (0, 0.5), (0, 0.5), n, n, n))
     cube = la.Body(mesh, la.VonMises(yield_stress=1.0), kinematics="3d", space=space)
     return la.Problem(
@@ -39,7 +39,7 @@ def build(n: int, space: str) -> "la.Problem":
 
 
 def reference(space: str) -> Reference:
-    """What strict bounds leave."""
+    """Return the reference: what strict bounds leave."""
     return bounded(
         LOW,
         HIGH,
@@ -49,7 +49,7 @@ def reference(space: str) -> Reference:
 
 
 def band(elements: int, space: str) -> Band:
-    """Strict; errors are those from the middle of the interval."""
+    """Return the band: strict; errors are those from the middle of the interval."""
     return _ERRORS[space].strict(elements)
 
 

@@ -24,7 +24,7 @@ _ERROR = Convergence(0.862, 0.715, "32 to 4640 elements: 7.74, 2.22, 0.86, 0.42,
 
 
 def build(nx: int, ny: int, ratio: float) -> "la.Problem":
-    """The quarter, graded towards the edge of the platen."""
+    """Return the problem: the quarter, graded towards the edge of the platen."""
     mesh = la.meshes.rectangle(
         x=(0, WIDTH), y=(0, HEIGHT), nx=nx, ny=ny, grade_x=(WIDTH, ratio), grade_y=(HEIGHT, ratio)
     )
@@ -36,7 +36,7 @@ def build(nx: int, ny: int, ratio: float) -> "la.Problem":
 
 
 def reference() -> Reference:
-    """The slip-line net."""
+    """Return the reference: the slip-line net."""
     return Reference(
         2.427658,
         "slip-line net of sticking platens",
@@ -48,12 +48,15 @@ def reference() -> Reference:
 
 
 def band(elements: int) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERROR.strict(elements)
 
 
 def order() -> Order:
-    """Between 1/2, that of the edge of the platen without grading, and 1."""
+    """Return the order of convergence.
+
+    Between 1/2, that of the edge of the platen without grading, and 1.
+    """
     sizes = ((4, 3, 4.0), (6, 4, 6.0), (9, 6, 9.0), (12, 9, 12.0), (16, 12, 18.0))
     return Order(
         tuple({"nx": nx, "ny": ny, "ratio": ratio} for nx, ny, ratio in sizes),

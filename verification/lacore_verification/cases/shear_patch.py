@@ -34,7 +34,7 @@ WIDTH, K = 2.0, 1.0
 
 
 def build(nx: int, ny: int, mu: float, p0: float) -> "la.Problem":
-    """The block, its cells as steep as the slip lines."""
+    """Return the problem: the block, its cells as steep as the slip lines."""
     slope = tan(asin(p0 / (2 * K)) / 2)
     mesh = la.meshes.rectangle(x=(0, WIDTH), y=(0, WIDTH / nx * slope * ny), nx=nx, ny=ny)
     return la.Problem(
@@ -50,7 +50,10 @@ def build(nx: int, ny: int, mu: float, p0: float) -> "la.Problem":
 
 
 def reference(mu: float, p0: float) -> Reference:
-    """From the least load of rigid sliding to the smaller of sliding and yielding."""
+    """Return the reference.
+
+    From the least load of rigid sliding to the smaller of sliding and yielding.
+    """
     high = min(mu * p0, sqrt(K**2 - p0**2 / 4))
     return Reference(
         min(least_friction(mu, p0), high),
@@ -65,7 +68,7 @@ def reference(mu: float, p0: float) -> Reference:
 
 
 def band(elements: int, mu: float, p0: float) -> Band:
-    """Rigid sliding, or shear along the diagonals of the cells."""
+    """Return the band: rigid sliding, or shear along the diagonals of the cells."""
     return exact_patch("the slip lines are element edges, or the whole block slides.")
 
 

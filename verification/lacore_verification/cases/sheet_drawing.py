@@ -50,20 +50,20 @@ _MEAN = {"drawing": 0.02, "extrusion": 0.06}
 
 
 def reduction(angle: float) -> float:
-    """Of the thickness, for the angle between a face and the axis in degrees."""
+    """Return the reduction of the thickness, for the angle of a face to the axis in degrees."""
     across = 2 * sin(radians(angle))
     return across / (1 + across)
 
 
 def force(process: str, angle: float) -> float:
-    """On half of the exit in drawing, on half of the entry in extrusion, N/m."""
+    """Return the force on half of the exit in drawing, or of the entry in extrusion, N/m."""
     r = reduction(angle)
     face = HEIGHT * (1 - r) if process == "drawing" else HEIGHT
     return 2 * STRENGTH * r * (1 + radians(angle)) * face
 
 
 def build(ny: int, process: str, angle: float, steps: int, scheme: str) -> "la.Problem":
-    """The upper half of a sheet in a die that is full."""
+    """Return the problem: the upper half of a sheet in a die that is full."""
     body = la.Body(_sheet(ny, process, angle), la.VonMises(shear_strength=STRENGTH))
     moved = "right" if process == "drawing" else "left"
     return la.Problem(
@@ -75,7 +75,7 @@ def build(ny: int, process: str, angle: float, steps: int, scheme: str) -> "la.P
 
 
 def _touching(process: str) -> list[str]:
-    """Parts of the upper side that touch the die at the beginning."""
+    """Return the parts of the upper side that touch the die at the beginning."""
     return ["on face"] if process == "drawing" else ["before", "on face"]
 
 
@@ -84,7 +84,7 @@ def _contact(side: str, process: str, angle: float) -> "la.Interface":
 
 
 def _sheet(ny: int, process: str, angle: float) -> MeshTri:
-    """Cells of four triangles, before the die twice as high as long."""
+    """Return the cells of four triangles, before the die twice as high as long."""
     exit_height = HEIGHT * (1 - reduction(angle))
     die = die_length(angle)
     columns = _columns(ny, process, angle)
@@ -101,7 +101,7 @@ def _sheet(ny: int, process: str, angle: float) -> MeshTri:
 
 
 def _columns(ny: int, process: str, angle: float) -> Floats:
-    """Places between columns, with one at each end of the face of the die."""
+    """Return the places between columns, with one at each end of the face of the die."""
     die = die_length(angle)
     travel = _travel(process, angle)
     passing = travel * (0.5 if process == "drawing" else 1.0)
@@ -118,7 +118,7 @@ def _columns(ny: int, process: str, angle: float) -> Floats:
 
 
 def die_length(angle: float) -> float:
-    """Of the die, along the axis, m."""
+    """Return the length of the die along the axis, m."""
     return HEIGHT * reduction(angle) / tan(radians(angle))
 
 
@@ -127,7 +127,7 @@ def _travel(process: str, angle: float) -> float:
 
 
 def die(process: str, angle: float) -> "la.RigidObstacle":
-    """Its face and, in extrusion, the container; behind its end the sheet is free."""
+    """Return its face and, in extrusion, the container; behind its end the sheet is free."""
     low = HEIGHT * (1 - reduction(angle))
     end = die_length(angle)
     behind = [(end, low), (end + _FAR, low + _FAR)]
@@ -141,13 +141,13 @@ def die(process: str, angle: float) -> "la.RigidObstacle":
 
 
 def steady_force(path: "la.Path") -> float:
-    """Mean of the forces of the second half of the steps."""
+    """Return the mean of the forces of the second half of the steps."""
     forces = path.history["force"]
     return float(forces[len(forces) // 2 :].mean())
 
 
 def path(process: str, angle: float, steps: int, scheme: str) -> Following:
-    """Some cells pass the end of the die."""
+    """Return the path: some cells pass the end of the die."""
     exact = force(process, angle)
     return Following(
         _travel(process, angle),
@@ -172,7 +172,7 @@ def path(process: str, angle: float, steps: int, scheme: str) -> Following:
 
 
 def reference(process: str, angle: float, steps: int, scheme: str) -> Reference:
-    """The slip-line field of the steady state."""
+    """Return the reference: the slip-line field of the steady state."""
     return Reference(
         force(process, angle),
         "2 k r (1 + alpha) times the face that is moved, r = 2 sin(alpha)/(1 + 2 sin(alpha))",
@@ -182,7 +182,7 @@ def reference(process: str, angle: float, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, process: str, angle: float, steps: int, scheme: str) -> Band:
-    """Of first order."""
+    """Return the band: of first order."""
     length = float(np.ptp(_columns(1, process, angle)))
     cell = sqrt(2 * HEIGHT * length / elements)
     return Band(

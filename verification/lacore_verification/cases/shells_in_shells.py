@@ -38,7 +38,10 @@ _STEPS, _SAFETY = 0.036, 1.1
 def build(
     n_radial: int, n_angular: int, law: str, outer: int, slave: str, steps: int, scheme: str
 ) -> "la.Problem":
-    """Half of n_radial elements across each shell, `outer` of 8 along the outer one."""
+    """Return the problem.
+
+    Half of n_radial elements across each shell, `outer` of 8 along the outer one.
+    """
 
     def shell(low: float, high: float, along: int) -> "la.Body":
         cells = la.meshes.quadrilaterals(
@@ -58,7 +61,7 @@ def build(
 
 
 def path(law: str, outer: int, slave: str, steps: int, scheme: str) -> Following:
-    """The bore of the inner shell moves as that of one thick sphere."""
+    """Return the path: the bore of the inner shell moves as that of one thick sphere."""
     sides = [("inner", "right"), ("outer", "left")]
     one, other = sides if slave == "inner" else sides[::-1]
     return replace(
@@ -70,12 +73,15 @@ def path(law: str, outer: int, slave: str, steps: int, scheme: str) -> Following
 
 
 def reference(law: str, outer: int, slave: str, steps: int, scheme: str) -> Reference:
-    """The pressure on one thick sphere at the last load."""
+    """Return the reference: the pressure on one thick sphere at the last load."""
     return hardening_sphere.reference(law, steps, scheme)
 
 
 def band(elements: int, law: str, outer: int, slave: str, steps: int, scheme: str) -> Band:
-    """Steps take away from the load, elements add to it: those of the coarser shell."""
+    """Return the band.
+
+    Steps take away from the load, elements add to it: those of the coarser shell.
+    """
     coarser = elements * 2 * min(outer, 8) // (8 + outer)
     mesh = thick_sphere.band(coarser, "q2").above
     return Band(

@@ -31,7 +31,7 @@ _NEAR = 0.01  # above: found are 7e-4
 
 
 def build(nx: int, ny: int, angle: float, dilation: float) -> "la.Problem":
-    """The layer."""
+    """Return the problem: the layer."""
     mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=nx, ny=ny)
     soil = la.MohrCoulomb(C, angle, dilation_angle=dilation)
     return la.Problem(
@@ -47,7 +47,7 @@ def build(nx: int, ny: int, angle: float, dilation: float) -> "la.Problem":
 
 
 def reference(angle: float, dilation: float) -> Reference:
-    """Homogeneous shear."""
+    """Return the reference: homogeneous shear."""
     phi = radians(angle)
     return Reference(
         C * cos(phi) + P * sin(phi),
@@ -58,7 +58,7 @@ def reference(angle: float, dilation: float) -> Reference:
 
 
 def band(elements: int, angle: float, dilation: float) -> Band:
-    """Of one of several states."""
+    """Return the band: of one of several states."""
     return Band(
         _OTHERS,
         _NEAR,

@@ -45,7 +45,7 @@ _FITTED = Convergence(
 
 
 def build(n: int, rough: bool, space: str, mesh: str = "box") -> "la.Problem":
-    """Half of the slab, with a vertex row under the edge of the footing.
+    """Return the problem: half of the slab, with a vertex row under the edge of the footing.
 
     A fitted mesh, of a smooth footing, has n sectors in its fan.
     """
@@ -55,14 +55,17 @@ def build(n: int, rough: bool, space: str, mesh: str = "box") -> "la.Problem":
 
 
 def reference(rough: bool, space: str, mesh: str = "box") -> Reference:
-    """Prandtl's solution, for either footing."""
+    """Return the reference: Prandtl's solution, for either footing."""
     return Reference(
         2 + pi, "(2 + pi) k", "Prandtl 1920; Hill, The Mathematical Theory of Plasticity", "exact"
     )
 
 
 def band(elements: int, rough: bool, space: str, mesh: str = "box") -> Band:
-    """Strict; the box holds the mechanism of a smooth footing, which is one of a rough one, too."""
+    """Return the band.
+
+    Strict; the box holds the mechanism of a smooth footing, which is one of a rough one, too.
+    """
     return (_FITTED if mesh == "fitted" else _ERRORS[space, rough]).strict(elements)
 
 

@@ -18,8 +18,9 @@ r"""A strip footing on a slab of soil with friction between two smooth walls.
 The cone of Drucker and Prager, matched to plane strain, is Mohr and Coulomb's there: by its walls
 the slab of tetrahedra has to find the load of Prandtl, for smooth and rough footings. Where
 velocities jump they open as they slip, past what holds the soil, too. The box holds the mechanism
-of a smooth footing, which comes to 3.53 from the middle. It is one of a rough footing, too, but
-that of Prandtl, which coarse meshes take, comes to 6.06, and down to 2.32: so far goes the other.
+of a smooth footing, which extends to 3.53 from the middle. It is one of a rough footing, too, but
+that of Prandtl, which coarse meshes find, extends to 6.06, and down to 2.32, for which the other
+box is large enough.
 
 Boxes of tetrahedra follow curved slip lines badly. A mesh along the slip lines of Hill's mechanism
 needs few elements.
@@ -54,7 +55,9 @@ _BOX = {False: (4.0, 1.6), True: (6.6, 3.2)}  # length and depth: rough footings
 
 
 def build(n: int, rough: bool, space: str, mesh: str = "box") -> "la.Problem":
-    """Half of the slab, with a vertex row under the edge of the footing; cohesion 1.
+    """Return the problem.
+
+    Half of the slab, with a vertex row under the edge of the footing; cohesion 1.
 
     A fitted mesh, of a smooth footing, has n sectors in its fan.
     """
@@ -65,7 +68,7 @@ def build(n: int, rough: bool, space: str, mesh: str = "box") -> "la.Problem":
 
 
 def reference(rough: bool, space: str, mesh: str = "box") -> Reference:
-    """Prandtl's solution, for either footing."""
+    """Return the reference: Prandtl's solution, for either footing."""
     angle = radians(ANGLE)
     passive = tan(pi / 4 + angle / 2) ** 2
     return Reference(
@@ -77,7 +80,7 @@ def reference(rough: bool, space: str, mesh: str = "box") -> Reference:
 
 
 def band(elements: int, rough: bool, space: str, mesh: str = "box") -> Band:
-    """Strict."""
+    """Return the band: strict."""
     return (_FITTED if mesh == "fitted" else _ERRORS[space, rough]).strict(elements)
 
 

@@ -12,8 +12,8 @@ r"""A slope of height H = 1 in soil with friction and cohesion: the largest gamm
           |<-- 0.6 -->|      u = 0            depth 0.5
 
 A body (1) turns out of the face along a logarithmic spiral through the toe, which opens as the soil
-dilates: an upper bound by hand. No closed form is known; what is proven from below must stay below
-the spiral, and it comes close.
+dilates: an analytical upper bound. No closed form is known; proven lower bounds must stay below the
+spiral, and are close to it.
 
 The toe is a singular point: meshes are graded towards it.
 """
@@ -35,7 +35,7 @@ _GENTLE = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, slope: float, angle: float) -> "la.Problem":
-    """Soil around the toe at the origin, graded towards it."""
+    """Return the problem: soil around the toe at the origin, graded towards it."""
     mesh = mesh_of_slope(nx, ny, ratio, slope)
     return la.Problem(
         bodies={"soil": la.Body(mesh, la.MohrCoulomb(1.0, angle))},
@@ -45,7 +45,7 @@ def build(nx: int, ny: int, ratio: float, slope: float, angle: float) -> "la.Pro
 
 
 def reference(slope: float, angle: float) -> Reference:
-    """Below the spiral, and by little."""
+    """Return the reference: below the spiral, and by little."""
     least, most = _PROVEN[slope, angle]
     return Reference(
         (least + most) / 2,
@@ -58,7 +58,7 @@ def reference(slope: float, angle: float) -> Reference:
 
 
 def band(elements: int, slope: float, angle: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return (_STEEP if slope == 60 else _GENTLE).strict(elements)
 
 

@@ -1,4 +1,4 @@
-r"""A slope of height H = 1 under and beside water: the largest gamma H / c.
+r"""A slope of height H = 1 under and next to water: the largest gamma H / c.
 
           . . . . . . . . . . . . . . . . . . . . .  submerged
                               |<------ 1.8 ------>|
@@ -16,10 +16,10 @@ The soil of `slope-phi`, beta = 60 and phi = 20 degrees, of unit weight gamma. W
 that, and grows with it, as it does with the height of a slope. Pores are pressed as by water at
 rest.
 
-Submerged, under 0.5 of free water, it is a slope of its buoyant weight: Archimedes. Beside a pool
-it stands up to more than without water, which leans against the face. Where the pool is gone, and
-what is in the pores is not, it stands up to less by a third: the safe side of a rapid drawdown,
-and the ground in front lifts.
+Submerged, under 0.5 of free water, it is a slope of its buoyant weight: Archimedes. Next to a pool,
+which presses on the face, it carries more than without water. Where the pool is gone, and the pore
+water is not, it carries a third less: the safe side of a rapid drawdown, and the ground in front
+lifts.
 
 The toe is a singular point: meshes are graded towards it. The surface of the water is one of their
 rows, as pressures are linear in elements.
@@ -40,7 +40,10 @@ _ERROR = Convergence(10.4, 0.88, "as of `slope-phi`, 40 to 1368 elements: 27 to 
 
 
 def build(nx: int, ny: int, ratio: float, level: float, pool: bool) -> "la.Problem":
-    """Soil around the toe at the origin, with water up to a level, and in front of it, or not."""
+    """Return the problem.
+
+    Soil around the toe at the origin, with water up to a level, and in front of it, or not.
+    """
     row = level if level < 1 else 0.0
     mesh = mesh_of_slope(nx, ny, ratio, _SLOPE, row)
     table = la.WaterTable(level, _WATER)
@@ -57,7 +60,7 @@ def build(nx: int, ny: int, ratio: float, level: float, pool: bool) -> "la.Probl
 
 
 def reference(level: float, pool: bool) -> Reference:
-    """Of buoyant weight, below the spiral, or between bounds."""
+    """Return the reference: of buoyant weight, below the spiral, or between bounds."""
     if pool and level > 1:
         least, most = (own / (1 - _WATER) for own in _DRY)
         formula = "that of a dry slope, slope-phi, over 1 - gamma_w/gamma"
@@ -78,7 +81,7 @@ def reference(level: float, pool: bool) -> Reference:
 
 
 def band(elements: int, level: float, pool: bool) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERROR.strict(elements)
 
 

@@ -37,7 +37,10 @@ KNOWN = {False: (5.129, 5.291), True: (5.3869, 5.6071)}
 def build(
     n: int, rough: bool, width: float = WIDTH, depth: float = DEPTH, ratio: float = 1.0
 ) -> "la.Problem":
-    """The eighth; an even n, half of it in depth, graded towards the edges of the footing."""
+    """Return the problem.
+
+    The eighth; an even n, half of it in depth, graded towards the edges of the footing.
+    """
     edge = (1.0, ratio)
     mesh = la.meshes.box((0, width), (0, width), (-depth, 0), n, n, n // 2, False, edge, edge)
     return la.Problem(
@@ -51,7 +54,7 @@ def build(
 
 
 def reference(rough: bool) -> Reference:
-    """What strict bounds leave."""
+    """Return the reference: what strict bounds leave."""
     return bounded(
         *KNOWN[rough],
         "k",
@@ -68,7 +71,7 @@ _ERRORS = {
 
 
 def band(elements: int, rough: bool) -> Band:
-    """Strict; errors are those from the middle of the interval."""
+    """Return the band: strict; errors are those from the middle of the interval."""
     return _ERRORS[rough].strict(elements)
 
 

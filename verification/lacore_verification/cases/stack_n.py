@@ -24,12 +24,12 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 
 
 def _frictions(n: int, mu_1: float, mu_n: float) -> list[float]:
-    """Of the joints, from the floor upwards."""
+    """Return the friction coefficients of the joints, from the floor upwards."""
     return [mu_1 + (mu_n - mu_1) * i / max(n - 1, 1) for i in range(n)]
 
 
 def build(n: int, mu_1: float, mu_n: float, b: float, h: float) -> "la.Problem":
-    """Blocks of unit weight per area."""
+    """Return the problem: blocks of unit weight per area."""
     names = ["base", *(str(i + 1) for i in range(n))]
     frictions = _frictions(n, mu_1, mu_n)
     blocks = la.masonry.stack(
@@ -45,7 +45,7 @@ def build(n: int, mu_1: float, mu_n: float, b: float, h: float) -> "la.Problem":
 
 
 def reference(n: int, mu_1: float, mu_n: float, b: float, h: float) -> Reference:
-    """The smallest resistance of all joints."""
+    """Return the reference: the smallest resistance of all joints."""
     value = min(min(_frictions(n, mu_1, mu_n)), b / (n * h))
     return Reference(
         value, "min(mu_i, b/(n h)) over joints i", "equilibrium, by hand", "exact", associated=value
@@ -53,7 +53,7 @@ def reference(n: int, mu_1: float, mu_n: float, b: float, h: float) -> Reference
 
 
 def band(elements: int, n: int, mu_1: float, mu_n: float, b: float, h: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -19,7 +19,10 @@ from lacore_verification.case import Band, Case, Reference, Variant, rigid
 def build(
     mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lower: bool
 ) -> "la.Problem":
-    """Two equal blocks b x h of different weight; the reference load at the centroid of one."""
+    """Return the problem.
+
+    Two equal blocks b x h of different weight; the reference load at the centroid of one.
+    """
     blocks = la.masonry.stack([(b, h), (b, h)], mu2, {("base", "1"): mu1})
     return la.Problem(
         bodies={"blocks": blocks},
@@ -35,7 +38,7 @@ def build(
 def reference(
     mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lower: bool
 ) -> Reference:
-    """The smaller resistance to sliding."""
+    """Return the reference: the smaller resistance to sliding."""
     both = mu1 * (W1 + W2)
     value = both if lower else min(mu2 * W2, both)
     formula = "mu1 (W1 + W2)" if lower else "min(mu2 W2, mu1 (W1 + W2))"
@@ -43,11 +46,13 @@ def reference(
 
 
 def valid(mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lower: bool) -> bool:
-    """Nothing topples: the thrust crosses both joints inside.
+    """Return whether the parameters are valid.
+
+    Nothing topples: the thrust crosses both joints inside.
 
     Pushed above at height h/2 of the upper block, its reaction is alpha h/(2 W2) off the middle of
-    the upper joint, and 3 alpha h/(2 (W1 + W2)) off that of the floor; pushed below, only
-    alpha h/(2 (W1 + W2)) there.
+    the upper joint, and 3 alpha h/(2 (W1 + W2)) off that of the floor; pushed below, only alpha
+    h/(2 (W1 + W2)) there.
     """
     alpha = reference(mu1, mu2, W1, W2, b, h, lower).value
     if lower:
@@ -58,7 +63,7 @@ def valid(mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lowe
 def band(
     elements: int, mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lower: bool
 ) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W1 + W2)
 
 

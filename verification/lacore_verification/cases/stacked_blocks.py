@@ -32,7 +32,10 @@ _UNIFORM = 1e-3  # of the mean strain: velocities are known to the root of what 
 
 
 def build(nx: int, law: str, mu: float, slave: str, steps: int, scheme: str) -> "la.Problem":
-    """Half of the stack; yield stress 1 at the beginning; three columns for two of the lower."""
+    """Return the problem.
+
+    Half of the stack; yield stress 1 at the beginning; three columns for two of the lower.
+    """
 
     def block(low: float, high: float, columns: int) -> "la.Body":
         mesh = la.meshes.quadrilaterals((0, WIDTH), (low, high), columns, 1)
@@ -53,7 +56,7 @@ def build(nx: int, law: str, mu: float, slave: str, steps: int, scheme: str) -> 
 
 
 def spread(path: "la.Path") -> float:
-    """Largest less least strain in both blocks at the end, of their mean."""
+    """Return the largest less least strain in both blocks at the end, of their mean."""
     strains = path.snapshots[-1].configuration.strain
     low = min(float(own.min()) for own in strains.values())
     high = max(float(own.max()) for own in strains.values())
@@ -61,7 +64,7 @@ def spread(path: "la.Path") -> float:
 
 
 def path(law: str, mu: float, slave: str, steps: int, scheme: str) -> Following:
-    """By two fifths of the height."""
+    """Return the path: by two fifths of the height."""
     return Following(
         TRAVEL,
         steps,
@@ -75,7 +78,7 @@ def path(law: str, mu: float, slave: str, steps: int, scheme: str) -> Following:
 
 
 def reference(law: str, mu: float, slave: str, steps: int, scheme: str) -> Reference:
-    """That of one block."""
+    """Return the reference: that of one block."""
     at = last_load(TRAVEL, steps, scheme)
     return Reference(
         strip_force(LAWS[law], 1 - at / HEIGHT, WIDTH),
@@ -86,7 +89,7 @@ def reference(law: str, mu: float, slave: str, steps: int, scheme: str) -> Refer
 
 
 def band(elements: int, law: str, mu: float, slave: str, steps: int, scheme: str) -> Band:
-    """Exact in space and time."""
+    """Return the band: exact in space and time."""
     return Band(
         _ALLOWED,
         _ALLOWED,

@@ -49,7 +49,7 @@ _CONVERGENCE = {
 
 
 def build(nx: int, ny: int, ratio: float, rho: float, rough: bool) -> "la.Problem":
-    """The right half, graded towards the edge of the footing."""
+    """Return the problem: the right half, graded towards the edge of the footing."""
     mesh = la.meshes.rectangle(
         x=(0, 1.5), y=(-1.0, 0), nx=nx, ny=ny, grade_x=(0.5, ratio), grade_y=(0.0, ratio)
     ).with_boundaries({"under": _under})
@@ -73,7 +73,7 @@ def _under(x: Floats) -> Bools:
 
 
 def reference(rho: float, rough: bool) -> Reference:
-    """By characteristics, that strict brackets hold."""
+    """Return the reference: by characteristics, that strict brackets hold."""
     return Reference(
         _LOADS[rho, rough],
         "F (5.1416 k0 + rho B/4), F by integration",
@@ -85,7 +85,7 @@ def reference(rho: float, rough: bool) -> Reference:
 
 
 def band(elements: int, rho: float, rough: bool) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _CONVERGENCE[rho, rough].strict(elements)
 
 

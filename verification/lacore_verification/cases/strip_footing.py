@@ -16,9 +16,9 @@ The right half is modelled; cohesion c = 1.
           |<--- 1 --->|
 
 A wedge (1) goes down, a fan (2) bounded by a logarithmic spiral turns the motion around the edge of
-the footing, a wedge (3) goes up beside it: Hill's mechanism. It reaches farther with more friction,
-and the box with it. Weightless soil has a closed form. With weight slip lines are curved, and the
-load is more than the sum of what cohesion, surcharge and weight carry alone.
+the footing, a wedge (3) goes up next to it: Hill's mechanism. It reaches farther with more
+friction, and the box with it. Weightless soil has a closed form. With weight slip lines are curved,
+and the load is more than the sum of what cohesion, surcharge and weight carry alone.
 
 The edge of the footing is a singular point; meshes are graded towards it.
 """
@@ -51,7 +51,7 @@ _STEEP = Convergence(
 def build(
     nx: int, ny: int, ratio: float, angle: float, surcharge: float, weight: float
 ) -> "la.Problem":
-    """The right half, in a box that holds the mechanism."""
+    """Return the problem: the right half, in a box that holds the mechanism."""
     width, depth = _box(angle)
     mesh = la.meshes.rectangle(
         x=(0, width), y=(-depth, 0), nx=nx, ny=ny, grade_x=(1.0, ratio), grade_y=(0.0, ratio / 2)
@@ -71,7 +71,7 @@ def build(
 
 
 def _box(angle: float) -> tuple[float, float]:
-    """Width and depth of Hill's mechanism without weight, the widest there is, and a tenth more."""
+    """Return the width and depth of Hill's mechanism without weight, with a margin of a tenth."""
     phi = radians(angle)
     wedge = pi / 4 + phi / 2
     width = 1 + tan(wedge) * exp(pi / 2 * tan(phi))
@@ -88,7 +88,10 @@ def _beside(x: Floats) -> Bools:
 
 
 def reference(angle: float, surcharge: float, weight: float) -> Reference:
-    """Prandtl and Reissner without weight; with weight what characteristics give."""
+    """Return the reference.
+
+    Prandtl and Reissner without weight; with weight what characteristics give.
+    """
     if weight:
         return Reference(
             _HEAVY[angle, surcharge],
@@ -110,12 +113,15 @@ def reference(angle: float, surcharge: float, weight: float) -> Reference:
 
 
 def band(elements: int, angle: float, surcharge: float, weight: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return (_MILD if angle <= 20 else _STEEP).strict(elements)
 
 
 def order(angle: float, surcharge: float, weight: float) -> Order | None:
-    """That of the edge, of the first variant; the others come to 0.60 to 0.63."""
+    """Return the order of convergence: that of the edge, of the first variant.
+
+    Others reach 0.63.
+    """
     if weight or surcharge or angle != 20:
         return None
     sizes = ((6, 3, 4.0), (8, 4, 4.5), (10, 5, 5.0), (12, 7, 5.5), (16, 9, 6.0))

@@ -19,12 +19,12 @@ The shear strength of sand is that of its own weight above, so that slip lines a
 through, and stresses fall to nothing at the edge of the footing: the pressure under it rises from
 there inwards, to twice its mean and more. A rough footing holds a wedge beneath itself and carries
 almost twice of what a smooth one does. There is no closed form: slip lines are integrated
-numerically, and where their net goes on to a stress field of all the soil its load is exact.
+numerically, and where their net continues to a stress field of all the soil its load is exact.
 
-No stress is admissible in floating point where nothing presses and nothing coheres. So the soil is
-lent a cohesion of 1e-5 gamma times the half width, which lifts the load by 1e-4 of it. Its
-mechanism outruns the footing, 585 times at the edge on the finest mesh, and is then solved once
-more in units of local speeds.
+No stress is admissible in floating point where nothing presses and nothing coheres. So the soil has
+a cohesion of 1e-5 gamma times the half width, which lifts the load by 1e-4 of it. Its mechanism
+outruns the footing, 585 times at the edge on the finest mesh, and is then solved once more in units
+of local speeds.
 """
 
 import numpy as np
@@ -53,7 +53,10 @@ _ROUGH = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> "la.Problem":
-    """The right half, graded towards the edge; with half width and weight 1 alpha is N_gamma."""
+    """Return the problem.
+
+    The right half, graded towards the edge; with half width and weight 1 alpha is N_gamma.
+    """
     width, depth = _BOX[angle]
     mesh = la.meshes.rectangle(
         x=(0, width), y=(-depth, 0), nx=nx, ny=ny, grade_x=(1.0, ratio), grade_y=(0.0, ratio / 2)
@@ -75,7 +78,7 @@ def _under(x: Floats) -> Bools:
 
 
 def reference(angle: float, rough: bool) -> Reference:
-    """Slip lines integrated numerically."""
+    """Return the reference: slip lines integrated numerically."""
     value = _EXACT[angle, rough]
     return Reference(
         value,
@@ -88,7 +91,7 @@ def reference(angle: float, rough: bool) -> Reference:
 
 
 def band(elements: int, angle: float, rough: bool) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return (_ROUGH if rough else _SMOOTH).strict(elements)
 
 

@@ -20,17 +20,17 @@ from lacore_verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
 
 
 def build(assembly: str, mu: float) -> "la.Problem":
-    """One of the assemblies."""
+    """Return the problem: one of the assemblies."""
     return ASSEMBLIES[assembly].build(mu)
 
 
 def reference(assembly: str, mu: float) -> Reference:
-    """Where there is one."""
+    """Return the reference, if there is one."""
     return ASSEMBLIES[assembly].reference(mu)
 
 
 def band(elements: int, assembly: str, mu: float) -> Band:
-    """That of the assembly."""
+    """Return the band: that of the assembly."""
     return ASSEMBLIES[assembly].band(mu)
 
 

@@ -28,7 +28,7 @@ GAP, LENGTH, TIP, TOP = 0.5, 4.0, 0.2, 0.6  # half gap, length of a block, ends 
 
 
 def between_blocks(mu: float, mu_f: float, beta: float) -> "la.BlockAssembly":
-    """Floor, two blocks, and the wedge in the gap between them."""
+    """Return floor, two blocks, and the wedge in the gap between them."""
     right = [
         (GAP, 0.0),
         (GAP + LENGTH, 0.0),
@@ -52,7 +52,7 @@ def between_blocks(mu: float, mu_f: float, beta: float) -> "la.BlockAssembly":
 def wedged(
     blocks: "la.BlockAssembly", weights: dict[str, float], direction: tuple[float, float]
 ) -> "la.Problem":
-    """The wedge loaded at its centroid, the floor fixed, and what weighs nothing with it."""
+    """Return the wedge loaded at its centroid, the floor fixed, and what weighs nothing with it."""
     return la.Problem(
         bodies={"blocks": blocks},
         supports=[la.Fix("blocks", name) for name in blocks.names if name not in weights],
@@ -62,13 +62,13 @@ def wedged(
 
 
 def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> "la.Problem":
-    """Pushed down."""
+    """Return the problem: pushed down."""
     weights = {"left": Wb, "right": Wb, "wedge": W}
     return wedged(between_blocks(mu, mu_f, beta), weights, (0, -1))
 
 
 def reference(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Reference:
-    """Blocks slide apart; jamming; or, of a plug, an interval."""
+    """Return the reference: blocks slide apart; jamming; or, of a plug, an interval."""
     phi, phi_f = atan(mu), atan(mu_f)
     formula = "2 Wb sin(phi_f) sin(b + phi)/cos(b + phi + phi_f) - W"
     source = "equilibrium, by hand; confirmed by mixed-integer programming"
@@ -82,7 +82,9 @@ def reference(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Refer
 
 
 def valid(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> bool:
-    """The blocks do not topple about their outer toes; a plug does not jam.
+    """Return whether the parameters are valid.
+
+    The blocks do not topple about their outer toes; a plug does not jam.
 
     The thrust R acts anywhere on the face, lowest at its tip: R cos(b + phi), which is mu_f times
     the force on the floor, turns outwards with lever TIP, the rest back.
@@ -97,7 +99,7 @@ def valid(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> bool:
 
 
 def band(elements: int, mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W + 2 * Wb)
 
 

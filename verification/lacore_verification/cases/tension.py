@@ -30,7 +30,7 @@ _ROUND_OFF = 1e-8
 
 
 def build(nx: int, ny: int, law: str, steps: int, scheme: str) -> "la.Problem":
-    """A quarter of the bar in triangles; yield stress 1 at the beginning."""
+    """Return the problem: a quarter of the bar in triangles; yield stress 1 at the beginning."""
     mesh = la.meshes.rectangle((0, LENGTH), (0, HEIGHT), nx, ny, crossed=False)
     return la.Problem(
         bodies={"bar": la.Body(mesh, la.VonMises(hardening=LAWS[law]), space="p2-gauss")},
@@ -40,7 +40,10 @@ def build(nx: int, ny: int, law: str, steps: int, scheme: str) -> "la.Problem":
 
 
 def path(law: str, steps: int, scheme: str) -> Following:
-    """The end moves by half of the length; explicit steps must not stay uniform."""
+    """Return the path.
+
+    The end moves by half of the length; explicit steps must not stay uniform.
+    """
     seen = scheme != "explicit"
     return Following(
         TRAVEL,
@@ -63,14 +66,14 @@ def path(law: str, steps: int, scheme: str) -> Following:
 
 
 def spread(path: "la.Path") -> float:
-    """Largest less smallest equivalent strain at the end, per mean."""
+    """Return the largest less smallest equivalent strain at the end, per mean."""
     strains = path.snapshots[-1].configuration.strain.values()
     values = np.concatenate([each.ravel() for each in strains])
     return float(np.ptp(values) / values.mean())
 
 
 def reference(law: str, steps: int, scheme: str) -> Reference:
-    """Uniform tension at the last load."""
+    """Return the reference: uniform tension at the last load."""
     if scheme == "explicit":
         return Reference(
             nan, "whatever mechanisms the solver finds", "none of them is the right one", "none"
@@ -85,7 +88,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, steps: int, scheme: str) -> Band:
-    """Of the steps; uniform stretching lies in the space of every mesh."""
+    """Return the band: of the steps; uniform stretching lies in the space of every mesh."""
     if scheme == "implicit-midpoint":
         return Band(_ROUND_OFF, _ROUND_OFF, "Exact for any step (T30): what is left is the solver.")
     allowed = 1.3 * _STEPS / steps**2 + SOLVER

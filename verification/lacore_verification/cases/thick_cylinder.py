@@ -33,7 +33,7 @@ _ERROR = Convergence(
 
 
 def build(n_radial: int, n_angular: int) -> "la.Problem":
-    """The quarter; yield stress 1, so the load factor is in units of s0."""
+    """Return the problem: the quarter; yield stress 1, so the load factor is in units of s0."""
     mesh = la.meshes.quarter_ring(INNER, OUTER, n_radial, n_angular, grade=OUTER / INNER)
     return la.Problem(
         bodies={"tube": la.Body(mesh, la.VonMises(yield_stress=1.0), geometry="approximated")},
@@ -43,7 +43,7 @@ def build(n_radial: int, n_angular: int) -> "la.Problem":
 
 
 def reference() -> Reference:
-    """The fully plastic tube."""
+    """Return the reference: the fully plastic tube."""
     return Reference(
         2 / sqrt(3) * log(OUTER / INNER),
         "(2/sqrt3) s0 ln(b/a)",
@@ -53,12 +53,12 @@ def reference() -> Reference:
 
 
 def band(elements: int) -> Band:
-    """Straight edges on curved boundaries."""
+    """Return the band: straight edges on curved boundaries."""
     return _ERROR.two_sided(elements, "straight edges replace the circles.")
 
 
 def order() -> Order:
-    """Smooth: that of the elements and of the polygon."""
+    """Return the order of convergence: smooth: that of the elements and of the polygon."""
     return Order(
         tuple({"n_radial": n, "n_angular": 2 * n} for n in (2, 4, 6, 8, 10)),
         1.0,
@@ -69,7 +69,7 @@ def order() -> Order:
 
 
 def _bracketing(mesh: str) -> Bracketing:
-    """What a polygon is off by: load factors of rings that it contains, and is contained in."""
+    """Return load factors of rings that the polygon contains, and in which it is contained."""
     turn = pi / 2 / _MESHES[mesh]["n_angular"]
     off = -log(cos(turn / 2)) / log(OUTER / INNER)
     return Bracketing(

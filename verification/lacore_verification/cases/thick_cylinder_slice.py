@@ -34,7 +34,7 @@ _ERRORS = {
 
 
 def build(nx: int, ny: int, mesh: str) -> "la.Problem":
-    """The slice; yield stress 1, so the load factor is in units of s0."""
+    """Return the problem: the slice; yield stress 1, so the load factor is in units of s0."""
     sides = (INNER, OUTER), (0, HEIGHT), nx, ny
     if mesh == "quadrilaterals":
         cells = la.meshes.quadrilaterals(*sides)
@@ -54,7 +54,7 @@ def build(nx: int, ny: int, mesh: str) -> "la.Problem":
 
 
 def reference(mesh: str) -> Reference:
-    """The fully plastic tube."""
+    """Return the reference: the fully plastic tube."""
     return Reference(
         2 / sqrt(3) * log(OUTER / INNER),
         "(2/sqrt3) s0 ln(b/a)",
@@ -64,7 +64,7 @@ def reference(mesh: str) -> Reference:
 
 
 def band(elements: int, mesh: str) -> Band:
-    """Interior strain points."""
+    """Return the band: interior strain points."""
     error = _ERRORS[mesh].two_sided(elements, "interior strain points.")
     return Band(
         below=error.below + SOLVER,
@@ -74,7 +74,10 @@ def band(elements: int, mesh: str) -> Band:
 
 
 def order(mesh: str) -> Order | None:
-    """Of cells cut once; errors of the others, of order 2, are soon those of solving."""
+    """Return the order of convergence.
+
+    Of cells cut once; errors of the others, of order 2, are soon those of solving.
+    """
     if mesh != "diagonal":
         return None
     return Order(

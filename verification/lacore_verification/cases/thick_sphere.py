@@ -31,7 +31,7 @@ _TRIANGLES = 3e-6  # twice the largest of 32 to 4896 triangles, 1.5e-6 at 72
 
 
 def build(n_radial: int, n_angular: int, space: str) -> "la.Problem":
-    """The quarter; yield stress 1, so the load factor is in units of s0."""
+    """Return the problem: the quarter; yield stress 1, so the load factor is in units of s0."""
     make = la.meshes.quadrilaterals if space == "q2" else la.meshes.rectangle
     cells = make((INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER))
     mesh = la.meshes.isoparametric(cells, on_rays)
@@ -44,12 +44,15 @@ def build(n_radial: int, n_angular: int, space: str) -> "la.Problem":
 
 
 def reference(space: str) -> Reference:
-    """The fully plastic sphere."""
+    """Return the reference: the fully plastic sphere."""
     return SPHERE
 
 
 def band(elements: int, space: str) -> Band:
-    """Fourth order in the size of quadrilaterals; of crossed triangles even less is left."""
+    """Return the band.
+
+    Fourth order in the size of quadrilaterals; of crossed triangles even less is left.
+    """
     if space == "q2":
         error = _ERROR.two_sided(elements, "interior strain points, curved edges.")
         allowed, reason = (
@@ -65,7 +68,10 @@ def band(elements: int, space: str) -> Band:
 
 
 def order(space: str) -> Order | None:
-    """Of quadrilaterals; errors of triangles are those of the solver."""
+    """Return the order of convergence.
+
+    Of quadrilaterals; errors of triangles are those of the solver.
+    """
     if space != "q2":
         return None
     return Order(

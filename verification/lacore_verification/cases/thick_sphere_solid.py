@@ -27,7 +27,7 @@ _ERROR = Convergence(
 
 
 def build(across: int, through: int) -> "la.Problem":
-    """An eighth; yield stress 1, so the load factor is in units of s0."""
+    """Return the problem: an eighth; yield stress 1, so the load factor is in units of s0."""
     mesh = hollow_octant(INNER, OUTER, across, through)
     sphere = la.Body(mesh, la.VonMises(yield_stress=1.0), kinematics="3d")
     return la.Problem(
@@ -38,12 +38,12 @@ def build(across: int, through: int) -> "la.Problem":
 
 
 def reference() -> Reference:
-    """The fully plastic sphere."""
+    """Return the reference: the fully plastic sphere."""
     return SPHERE
 
 
 def band(elements: int) -> Band:
-    """Of second order in the size of flat faces and of elements alike."""
+    """Return the band: of second order in the size of flat faces and of elements alike."""
     return _ERROR.two_sided(elements, "flat faces in place of two spheres.")
 
 

@@ -1,4 +1,4 @@
-r"""A pier is shaken sideways, and crushes at its toe before it turns over.
+r"""A pier is shaken sideways, and crushes at its toe before it overturns.
 
                  +---------+
                  |         |
@@ -24,21 +24,21 @@ from lacore_verification.cases.shared.solids import on_floor, shaken
 
 
 def build(mu: float, b: float, h: float, depth: float) -> "la.Problem":
-    """Pier and floor; its weight per volume is 1."""
+    """Return the problem: pier and floor; its weight per volume is 1."""
     strength = b * h / depth  # W/(a b), W = b b h
     blocks = la.BlockAssembly3D(on_floor(b, h), mu, crushing=la.Crushing(strength, divisions=3))
     return shaken(blocks, ("floor",))
 
 
 def reference(mu: float, b: float, h: float, depth: float) -> Reference:
-    """Moments about the centre of pressure."""
+    """Return the reference: moments about the centre of pressure."""
     value = (b - depth) / h
     # Dilatant friction costs nothing where nothing slips.
     return Reference(value, "(b - W/(f b))/h", "moments by hand", "exact", associated=value)
 
 
 def band(elements: int, mu: float, b: float, h: float, depth: float) -> Band:
-    """Rigid; alpha is in weights."""
+    """Return the band: rigid; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -9,7 +9,7 @@ r"""A square block on a rough floor is turned about its vertical axis.
                             +-------------+
                             |<---- b ---->|
 
-Rigid blocks give no pressure where it is not asked for: among all pressures that balance W the loop
+The pressures below rigid blocks are not determined: among all pressures that balance W the loop
 finds those of a Coulomb state, and contact at corners has the most friction torque that any
 pressure gives (T72). Uniform pressure would give 0.3826 mu W b, 54 % of it. The load of four
 corners is unique: they are at the same distance from the axis, and any pressures whose resultant
@@ -24,7 +24,10 @@ from lacore_verification.cases.shared.solids import on_floor
 
 
 def build(mu: float, b: float) -> "la.Problem":
-    """A couple of horizontal forces at two sides of the block, 1 N m per load factor."""
+    """Return the problem.
+
+    A couple of horizontal forces at two sides of the block, 1 N m per load factor.
+    """
     blocks = la.BlockAssembly3D(on_floor(b, 0.5), mu)
     arm = b / 2
     couple = [
@@ -41,13 +44,16 @@ def build(mu: float, b: float) -> "la.Problem":
 
 
 def reference(mu: float, b: float) -> Reference:
-    """All weight at the corners."""
+    """Return the reference: all weight at the corners."""
     value = mu * b / sqrt(2)
     return Reference(value, "mu W b/sqrt(2)", "equilibrium, by hand", "exact", associated=value)
 
 
 def band(elements: int, mu: float, b: float) -> Band:
-    """Rigid; alpha times 1 N m is a torque, as large as the weight 1 N times b/2 at b/2."""
+    """Return the band.
+
+    Rigid; alpha times 1 N m is a torque, as large as the weight 1 N times b/2 at b/2.
+    """
     return rigid(b / 2)
 
 

@@ -24,7 +24,7 @@ from lacore_verification.cases.shared.tetrahedra import CLAY, disc
 
 
 def build(sides: int, rings: int) -> "la.Problem":
-    """A bar of radius 1 m, half as long."""
+    """Return the problem: a bar of radius 1 m, half as long."""
     mesh = la.meshes.extruded(disc(sides, rings), (0, 0.5), 1)
     return la.Problem(
         bodies={"bar": la.Body(mesh, CLAY, kinematics="3d", geometry="approximated")},
@@ -34,19 +34,22 @@ def build(sides: int, rings: int) -> "la.Problem":
 
 
 def of_polygon(sides: float) -> float:
-    """Torque of a regular polygon per that of its circle: area times distance of its sides."""
+    """Return the torque of a regular polygon per that of its circle.
+
+    Area times distance of its sides.
+    """
     return sides / (2 * pi) * sin(2 * pi / sides) * cos(pi / sides)
 
 
 def reference() -> Reference:
-    """Twice the volume of a cone of slope k."""
+    """Return the reference: twice the volume of a cone of slope k."""
     return Reference(
         2 * pi / 3, "2 pi k R^3/3", "Nadai, Theory of Flow and Fracture of Solids; by hand", "exact"
     )
 
 
 def band(elements: int) -> Band:
-    """Flat sides cut off what a polygon says; the polygon itself is exact.
+    """Return the band: flat sides cut off what a polygon says; the polygon itself is exact.
 
     Levels have 8 sides and 48 tetrahedra, 16 and 288.
     """

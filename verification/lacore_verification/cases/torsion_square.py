@@ -31,7 +31,7 @@ _ACROSS = Convergence(
 
 
 def build(n: int, ridges: bool) -> "la.Problem":
-    """A bar as long as half its side."""
+    """Return the problem: a bar as long as half its side."""
     half = SIDE / 2
     mesh = la.meshes.box((-half, half), (-half, half), (0, half), 2 * n, 2 * n, n, ridges)
     return la.Problem(
@@ -42,14 +42,14 @@ def build(n: int, ridges: bool) -> "la.Problem":
 
 
 def reference(ridges: bool) -> Reference:
-    """Twice the volume of the heap of sand, of slope k."""
+    """Return the reference: twice the volume of the heap of sand, of slope k."""
     return Reference(
         SIDE**3 / 3, "k a^3/3", "Nadai, Theory of Flow and Fracture of Solids; by hand", "exact"
     )
 
 
 def band(elements: int, ridges: bool) -> Band:
-    """Strict; of second order where elements lie across the ridges."""
+    """Return the band: strict; of second order where elements lie across the ridges."""
     if ridges:
         return exact_patch("warping is quadratic beside the ridges, which are faces of the mesh.")
     return _ACROSS.strict(elements)

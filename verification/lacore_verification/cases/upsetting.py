@@ -33,7 +33,10 @@ _TRAVEL, _ROUGH_TRAVEL = 0.25, 0.1
 
 
 def build(nx: int, ny: int, mu: float, law: str, steps: int, scheme: str) -> "la.Problem":
-    """The quarter, graded towards the edge of the platen; yield stress 1 at the beginning."""
+    """Return the problem.
+
+    The quarter, graded towards the edge of the platen; yield stress 1 at the beginning.
+    """
     mesh = la.meshes.rectangle(
         (0, WIDTH), (0, HEIGHT), nx, ny, grade_x=(WIDTH, 3.0), grade_y=(HEIGHT, 3.0)
     )
@@ -46,7 +49,7 @@ def build(nx: int, ny: int, mu: float, law: str, steps: int, scheme: str) -> "la
 
 
 def path(mu: float, law: str, steps: int, scheme: str) -> Following:
-    """To half of the height; where platens stick to four fifths."""
+    """Return the path: to half of the height; where platens stick to four fifths."""
     smooth = mu == 0
     return Following(
         _travel(mu),
@@ -63,7 +66,7 @@ def path(mu: float, law: str, steps: int, scheme: str) -> Following:
 
 
 def _spread(mu: float, law: str) -> float:
-    """What is asked for: hardening keeps it uniform, and nothing else does."""
+    """Return the spread that is required: only hardening keeps the strain uniform."""
     return 1e-4 if mu == 0 and law != "perfect" else inf
 
 
@@ -76,12 +79,12 @@ def _friction(mu: float) -> "float | la.Tresca":
 
 
 def _force(law: str, travel: float) -> float:
-    """Without friction."""
+    """Return the force without friction."""
     return strip_force(LAWS[law], 1 - travel / HEIGHT, WIDTH)
 
 
 def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
-    """Exact without friction."""
+    """Return the reference: exact without friction."""
     if mu == 0:
         return Reference(
             _force(law, last_load(_TRAVEL, steps, scheme)),
@@ -99,7 +102,7 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, mu: float, law: str, steps: int, scheme: str) -> Band:
-    """Exact without friction; with friction there is nothing to be off from."""
+    """Return the band: exact without friction; with friction there is nothing to be off from."""
     if mu == 0:
         return Band(_ROUND_OFF, _ROUND_OFF, "Exact for any step (T30): what is left is the solver.")
     return Band(0.0, 0.0, "The load at the end is not known.")

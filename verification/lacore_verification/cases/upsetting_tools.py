@@ -34,7 +34,7 @@ _ALLOWED = 1e-7  # a case of one body asks for 1e-8; tools add unknowns and tole
 
 
 def build(nx: int, law: str, moving: str, steps: int, scheme: str) -> "la.Problem":
-    """Half of the block in triangles; yield stress 1 at the beginning."""
+    """Return the problem: half of the block in triangles; yield stress 1 at the beginning."""
     half = HEIGHT / 2
     mesh = la.meshes.rectangle((0, WIDTH), (-half, half), nx, nx)
     return la.Problem(
@@ -48,7 +48,7 @@ def build(nx: int, law: str, moving: str, steps: int, scheme: str) -> "la.Proble
 
 
 def path(law: str, moving: str, steps: int, scheme: str) -> Following:
-    """The platens close by half of the height."""
+    """Return the path: the platens close by half of the height."""
     upper, lower = _MOTIONS[moving]
     half = HEIGHT / 2
     above, below = la.shapes.plane((0, half), (0, -1)), la.shapes.plane((0, -half), (0, 1))
@@ -68,12 +68,12 @@ def path(law: str, moving: str, steps: int, scheme: str) -> Following:
 
 
 def _force(law: str, travel: float) -> float:
-    """Power per travel: the force on a platen times the speed at which they close."""
+    """Return the power per travel: the force on a platen times the speed at which they close."""
     return _CLOSING * strip_force(LAWS[law], 1 - _CLOSING * travel / HEIGHT, WIDTH)
 
 
 def reference(law: str, moving: str, steps: int, scheme: str) -> Reference:
-    """Exact without friction."""
+    """Return the reference: exact without friction."""
     return Reference(
         _force(law, last_load(TRAVEL, steps, scheme)),
         "2 (2/sqrt3) sigma_Y((2/sqrt3) ln(H/h)) W H/h",
@@ -83,7 +83,7 @@ def reference(law: str, moving: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, moving: str, steps: int, scheme: str) -> Band:
-    """Exact in space and time."""
+    """Return the band: exact in space and time."""
     return Band(_ALLOWED, _ALLOWED, "Exact for any step (T30): what is left is the solver.")
 
 

@@ -28,7 +28,10 @@ _ERROR = Convergence(2.671, 0.707, "32 to 4744 elements: 22.7, 6.50, 3.00, 1.39,
 
 
 def build(nx: int, ny: int, ratio: float) -> "la.Problem":
-    """Soil around the toe at the origin, graded towards it; nx by ny cells before the cut."""
+    """Return the problem.
+
+    Soil around the toe at the origin, graded towards it; nx by ny cells before the cut.
+    """
     block = la.meshes.rectangle(
         x=(-1, 1.6), y=(-0.7, 1), nx=nx, ny=ny, grade_x=(0.0, ratio), grade_y=(0.0, ratio)
     )
@@ -42,7 +45,7 @@ def build(nx: int, ny: int, ratio: float) -> "la.Problem":
 
 
 def reference() -> Reference:
-    """Published bounds: about 100 times as close as the meshes here."""
+    """Return the reference: published bounds: about 100 times as close as the meshes here."""
     return Reference(
         3.7764,
         "limit analysis from both sides",
@@ -53,12 +56,12 @@ def reference() -> Reference:
 
 
 def band(elements: int) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return _ERROR.strict(elements)
 
 
 def order() -> Order:
-    """Between 1/2, that of the toe without grading, and 1.
+    """Return the order of convergence: between 1/2, that of the toe without grading, and 1.
 
     Errors down to 2 % are 60 times what the reference is uncertain by.
     """

@@ -34,7 +34,9 @@ def build(
     width: float = WIDTH,
     ratio: float = 0.0,
 ) -> "la.Problem":
-    """Half of the length, in cells of six tetrahedra; graded by `ratio` towards the end.
+    """Return the problem.
+
+    Half of the length, in cells of six tetrahedra; graded by `ratio` towards the end.
 
     Along all edges there are n cells, or `rows` along the length and `layers` in height.
     """
@@ -52,7 +54,7 @@ def build(
 
 
 def reference(length: float) -> Reference:
-    """What strict bounds leave."""
+    """Return the reference: what strict bounds leave."""
     return bounded(
         *KNOWN[length],
         "k/H",
@@ -61,7 +63,7 @@ def reference(length: float) -> Reference:
 
 
 def band(elements: int, length: float) -> Band:
-    """Strict; errors are those from the middle of the interval."""
+    """Return the band: strict; errors are those from the middle of the interval."""
     return _ERROR.strict(elements)
 
 

@@ -12,8 +12,8 @@ r"""A vertical cut of height H = 1 in soil with friction: the largest gamma H / 
           |<-- 1 --->|       u = 0         depth 0.7
 
 The soil of `vertical-cut`, with friction: a body (1) turns out of the face along a logarithmic
-spiral through the toe, which opens as the soil dilates. It is an upper bound by hand. No closed
-form is known; what is proven from below must stay below the spiral.
+spiral through the toe, which opens as the soil dilates. It is an analytical upper bound. No closed
+form is known; proven lower bounds must stay below the spiral.
 
 The toe is a singular point: meshes are graded towards it.
 """
@@ -36,7 +36,10 @@ _STEEP = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, angle: float) -> "la.Problem":
-    """Soil around the toe at the origin, graded towards it; nx by ny cells before the cut."""
+    """Return the problem.
+
+    Soil around the toe at the origin, graded towards it; nx by ny cells before the cut.
+    """
     block = la.meshes.rectangle(
         x=(-1, 1.6), y=(-0.7, 1), nx=nx, ny=ny, grade_x=(0.0, ratio), grade_y=(0.0, ratio)
     )
@@ -50,7 +53,7 @@ def build(nx: int, ny: int, ratio: float, angle: float) -> "la.Problem":
 
 
 def reference(angle: float) -> Reference:
-    """Below the spiral, and by little."""
+    """Return the reference: below the spiral, and by little."""
     least, most = _PROVEN[angle]
     return Reference(
         (least + most) / 2,
@@ -63,7 +66,7 @@ def reference(angle: float) -> Reference:
 
 
 def band(elements: int, angle: float) -> Band:
-    """Strict upper bound."""
+    """Return the band: strict upper bound."""
     return (_MILD if angle <= 20 else _STEEP).strict(elements)
 
 

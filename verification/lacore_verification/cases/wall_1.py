@@ -25,12 +25,12 @@ LOW, HIGH, ASSOCIATED = 0.638982, 0.642859, 0.642859
 
 
 def build(mu: float) -> "la.Problem":
-    """The wall."""
+    """Return the problem: the wall."""
     return wall(WALL_1, mu)
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     return {MU: listed(LOW, HIGH, ASSOCIATED)}[mu]
 
 

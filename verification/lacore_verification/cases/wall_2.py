@@ -25,12 +25,12 @@ LOW, HIGH, ASSOCIATED = 0.557416, 0.577201, 0.579999
 
 
 def build(mu: float) -> "la.Problem":
-    """The wall."""
+    """Return the problem: the wall."""
     return wall(WALL_2, mu)
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     return {MU: listed(LOW, HIGH, ASSOCIATED)}[mu]
 
 

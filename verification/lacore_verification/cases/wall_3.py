@@ -31,12 +31,12 @@ LOW, HIGH, ASSOCIATED = 0.355817, 0.379385, 0.403694
 
 
 def build(mu: float) -> "la.Problem":
-    """The wall."""
+    """Return the problem: the wall."""
     return wall(WALL_3, mu)
 
 
 def reference(mu: float) -> Reference:
-    """Tabulated."""
+    """Return the reference: tabulated."""
     return {MU: listed(LOW, HIGH, ASSOCIATED)}[mu]
 
 

@@ -23,20 +23,20 @@ from lacore_verification.cases.symmetric_wedge import GAP, LENGTH, TIP, between_
 
 
 def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> "la.Problem":
-    """Pulled up."""
+    """Return the problem: pulled up."""
     weights = {"left": Wb, "right": Wb, "wedge": W}
     return wedged(between_blocks(mu, mu_f, beta), weights, (0, 1))
 
 
 def _thrust(mu: float, mu_f: float, beta: float, Wb: float) -> tuple[float, float]:
-    """Forces of the dilatant wedge on a block: up, and outwards."""
+    """Return the forces of the dilatant wedge on a block: up, and outwards."""
     lean, phi_f = atan(mu) - beta, atan(mu_f)
     R = Wb * sin(phi_f) / cos(lean - phi_f)
     return R * sin(lean), R * cos(lean)
 
 
 def reference(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Reference:
-    """Opening; and what dilatancy makes of it."""
+    """Return the reference: opening; and what dilatancy makes of it."""
     return Reference(
         W,
         "W; associated W + 2 Wb sin(phi_f) sin(phi - b)/cos(phi - b - phi_f)",
@@ -47,7 +47,9 @@ def reference(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Refer
 
 
 def valid(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> bool:
-    """The wedge would clamp (phi > beta > 0), and dilatant it neither lifts nor topples a block.
+    """Return whether the parameters are valid.
+
+    The wedge would clamp (phi > beta > 0), and dilatant it neither lifts nor topples a block.
 
     The block is thrust up and outwards anywhere on the face, lowest at its tip, against its weight,
     which is at least LENGTH/2.5 away from the outer toe.
@@ -60,7 +62,7 @@ def valid(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> bool:
 
 
 def band(elements: int, mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W + 2 * Wb)
 
 

@@ -21,12 +21,12 @@ from lacore_verification.cases.symmetric_wedge import between_blocks, wedged
 
 
 def build(mu: float, beta: float, W: float, down: bool) -> "la.Problem":
-    """The blocks of `symmetric-wedge`, fixed."""
+    """Return the problem: the blocks of `symmetric-wedge`, fixed."""
     return wedged(between_blocks(mu, mu, beta), {"wedge": W}, (0, -1 if down else 1))
 
 
 def reference(mu: float, beta: float, W: float, down: bool) -> Reference:
-    """Opening, or locked."""
+    """Return the reference: opening, or locked."""
     source = "equilibrium, by hand; confirmed by mixed-integer programming"
     if down:
         return Reference(inf, "no motion", source, "status", status=la.Status.LOCKED)
@@ -36,12 +36,15 @@ def reference(mu: float, beta: float, W: float, down: bool) -> Reference:
 
 
 def valid(mu: float, beta: float, W: float, down: bool) -> bool:
-    """With vertical faces the wedge would not open them: see `block-between-walls`."""
+    """Return whether the parameters are valid.
+
+    With vertical faces the wedge would not open them: see `block-between-walls`.
+    """
     return beta > 0
 
 
 def band(elements: int, mu: float, beta: float, W: float, down: bool) -> Band:
-    """Rigid."""
+    """Return the band: rigid."""
     return rigid(W)
 
 

@@ -11,10 +11,10 @@ r"""A smooth wedge is pressed into a half space, from the first touch on: a tool
          o--------------------------------------- u = 0
 
 The flow is similar at every depth c of the tip, so the force is proportional to c, and the lip is
-straight. Material is drawn along the face, and elements next to the tip would soon turn over: the
+straight. Material is drawn along the face, and elements next to the tip would soon be inverted: the
 body gets new meshes on the way, in columns below its surface, which keep its area but for the edge
-at the end of the contact. The length of the contact is known to an element. With
-friction the force is larger, at most that of a wedge to which the material sticks.
+at the end of the contact. The length of the contact is known to an element. With friction the force
+is larger, at most that of a wedge to which the material sticks.
 """
 
 from math import nan
@@ -35,7 +35,10 @@ _CELLS = 0.45  # largest relative error of the force times the number of cells a
 def build(
     start: float, half_angle: float, friction: float, cells: int, steps: int, scheme: str
 ) -> "la.Problem":
-    """The right half before it is touched, with cells of `start` steps where it will be."""
+    """Return the problem.
+
+    The right half before it is touched, with cells of `start` steps where it will be.
+    """
     mesh = Columns(half_angle, cells, start * TRAVEL / steps).first()
     return la.Problem(
         bodies={"body": la.Body(mesh, la.VonMises(shear_strength=1.0), space="q2")},
@@ -49,7 +52,7 @@ def build(
 
 
 def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> Following:
-    """As deep as a sixth of the width of the half."""
+    """Return the path: as deep as a sixth of the width of the half."""
     wedge = la.shapes.wedge((0.0, 0.0), half_angle)
     smooth = friction == 0
     return Following(
@@ -67,7 +70,10 @@ def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str
 
 
 def _force(half_angle: float, travel: float) -> float:
-    """Exact force on the half per k; not judged before half of the travel, where cells are few."""
+    """Return the exact force on the half per k.
+
+    Not judged before half of the travel, where cells are few.
+    """
     return nan if travel < TRAVEL / 2 else Hill(half_angle).force / 2 * travel
 
 
@@ -95,7 +101,7 @@ def _last(path: "la.Path") -> float:
 
 
 def reference(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> Reference:
-    """Exact without friction."""
+    """Return the reference: exact without friction."""
     if friction == 0:
         return Reference(
             _force(half_angle, last_load(TRAVEL, steps, scheme)),
@@ -115,7 +121,7 @@ def reference(half_angle: float, friction: float, cells: int, steps: int, scheme
 def band(
     elements: int, half_angle: float, friction: float, cells: int, steps: int, scheme: str
 ) -> Band:
-    """Of the cells, without friction."""
+    """Return the band: of the cells, without friction."""
     if friction > 0:
         return Band(0.0, 0.0, "The load at the end is not known.")
     allowed = _CELLS / cells

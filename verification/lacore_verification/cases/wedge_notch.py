@@ -39,13 +39,14 @@ from lacore_verification.cases.shared.wedge_meshes import Hill, lip_error
 
 START, TRAVEL = 0.25, 0.75  # depth of the notch, and how much deeper the wedge moves
 _QUALITY = 0.99  # any distortion calls for a new mesh
-_TURN = 0.005  # error of the force: velocities turn over a row around the end of the contact
+# Relative error of the force: velocities turn across a row around the end of the contact.
+_TURN = 0.005
 _STICKS = {45.0: 1.6}  # more than the ratio of the forces of a wedge that sticks and a smooth one
 _VOLUME = 0.064  # largest change of volume in a step, times steps^3: the scheme is of order 2
 
 
 def build(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> la.Problem:
-    """The right half with the notch and its lip."""
+    """Return the problem: the right half with the notch and its lip."""
     mesh = _fan(half_angle, cells, steps).first(START)
     return la.Problem(
         bodies={"body": la.Body(mesh, la.VonMises(shear_strength=1.0), space="p2-gauss")},
@@ -62,7 +63,7 @@ def build(half_angle: float, friction: float, cells: int, steps: int, scheme: st
 
 
 def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> Following:
-    """Until the wedge is four times as deep as the notch."""
+    """Return the path: until the wedge is four times as deep as the notch."""
     beta = radians(half_angle)
     face = la.shapes.plane((0.0, -START), (cos(beta), -sin(beta)))
     return Following(
@@ -92,7 +93,7 @@ def _lip(half_angle: float, steps: int) -> Reading:
 
 
 def _ratio(half_angle: float) -> Reading:
-    """Between a smooth wedge and one to which the material sticks."""
+    """Return the ratio between a smooth wedge and one to which the material sticks."""
     return Reading(
         "largest force per depth over the whole travel, of that of the smooth wedge,",
         lambda path: _largest(path) / (Hill(half_angle).force / 2),
@@ -102,13 +103,13 @@ def _ratio(half_angle: float) -> Reading:
 
 
 def _largest(path: la.Path) -> float:
-    """Force per depth; NaN if the path ends early."""
+    """Return the force per depth; NaN if the path ends early."""
     covered = float(path.history["end"].iloc[-1]) >= TRAVEL * (1 - SOLVER)
     return float(per_depth(path).max()) if covered else nan
 
 
 def per_depth(path: la.Path) -> Floats:
-    """Forces of all steps, N/m per m."""
+    """Return the forces of all steps, N/m per m."""
     return np.asarray(path.history["force"] / (START + path.history["travel"]))
 
 
@@ -117,12 +118,12 @@ def _fan(half_angle: float, cells: int, steps: int) -> Fan:
 
 
 def _force(half_angle: float, travel: float) -> float:
-    """Exact force on the half per k; judged over the second half of the travel."""
+    """Return the exact force on the half per k; judged over the second half of the travel."""
     return nan if travel < TRAVEL / 2 else Hill(half_angle).force / 2 * (START + travel)
 
 
 def reference(half_angle: float, friction: float, cells: int, steps: int, scheme: str) -> Reference:
-    """Exact without friction."""
+    """Return the reference: exact without friction."""
     if friction > 0:
         return Reference(
             nan,
@@ -142,7 +143,7 @@ def reference(half_angle: float, friction: float, cells: int, steps: int, scheme
 def band(
     elements: int, half_angle: float, friction: float, cells: int, steps: int, scheme: str
 ) -> Band:
-    """Of half a step of the depth at half of the travel, without friction."""
+    """Return the band: of half a step of the depth at half of the travel, without friction."""
     if friction > 0:
         return Band(0.0, 0.0, "The load at the end is not known.")
     allowed = TRAVEL / steps / 2 / (START + TRAVEL / 2) + _TURN

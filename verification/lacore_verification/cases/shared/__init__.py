@@ -1,1 +1,1 @@
-"""What several cases share: walls, exact paths, hardening laws, assemblies."""
+"""Shared parts of several cases: walls, exact paths, hardening laws, assemblies."""

@@ -1,6 +1,6 @@
-"""Assemblies of rigid blocks, and a frame, by name: what coupling loops are tried on.
+"""Assemblies of rigid blocks, and a frame, by name, for tests of coupling loops.
 
-Where a closed form is known it is the reference; else a certificate is all that judges.
+A known closed form is the reference; otherwise there is only a certificate.
 """
 
 from collections.abc import Callable
@@ -40,7 +40,7 @@ class Assembly:
 
 
 def _of_case(case: Case, frictions: tuple[str, ...], **parameters: Any) -> Assembly:
-    """A case, all its friction coefficients equal."""
+    """Return a case, all its friction coefficients equal."""
 
     def given(mu: float) -> dict[str, Any]:
         return dict.fromkeys(frictions, mu) | parameters
@@ -53,12 +53,12 @@ def _of_case(case: Case, frictions: tuple[str, ...], **parameters: Any) -> Assem
 
 
 def _unknown(build: "Callable[[float], la.Problem]") -> Assembly:
-    """An assembly that is shaken: alpha is in weights."""
+    """Return an assembly that is shaken: alpha is in weights."""
     return Assembly(build, lambda mu: UNKNOWN, lambda mu: rigid(1.0))
 
 
 def three_blocks(mu: float) -> "la.Problem":
-    """A lintel on two columns on a floor, `shaken`."""
+    """Return a lintel on two columns on a floor, `shaken`."""
     rectangle = la.masonry.rectangle
     return shaken(
         la.BlockAssembly(
@@ -74,7 +74,7 @@ def three_blocks(mu: float) -> "la.Problem":
 
 
 def arch(voussoirs: int, mu: float) -> "la.Problem":
-    """A semicircular arch, a quarter as thick as its inner radius, `shaken`."""
+    """Return a semicircular arch, a quarter as thick as its inner radius, `shaken`."""
     return shaken(la.masonry.arch(voussoirs, 1.0, 0.25, mu), ("left", "right"))
 
 

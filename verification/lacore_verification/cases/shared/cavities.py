@@ -34,7 +34,7 @@ b/a = 2:      alpha = 1.386294 s0
 def quarter(
     n_radial: int, n_angular: int, angle: float, dilation: float, kinematics: str
 ) -> "la.Problem":
-    """A quarter of a tube (plane strain) or a sphere (axisymmetric), curved, cohesion 1."""
+    """Return a quarter of a tube (plane strain) or a sphere (axisymmetric), curved, cohesion 1."""
     flat = la.meshes.rectangle(
         (INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER)
     )
@@ -51,14 +51,14 @@ def quarter(
 
 
 def on_rays(x: Floats) -> Floats:
-    """From radii and angles to places; the axis without round-off."""
+    """Return places from radii and angles, with the axis free of round-off."""
     radius, angle = x
     ray = np.stack([np.where(angle == pi / 2, 0.0, np.cos(angle)), np.sin(angle)])
     return np.asarray(radius * ray)
 
 
 def expansion(angle: float, hoops: int) -> Reference:
-    """The pressure, of a tube with one hoop stress, or of a sphere with two."""
+    """Return the pressure, of a tube with one hoop stress, or of a sphere with two."""
     ratio, phi = OUTER / INNER, radians(angle)
     if not angle:
         value = 2 * hoops * C * log(ratio)
@@ -73,7 +73,10 @@ def expansion(angle: float, hoops: int) -> Reference:
 
 
 def smooth(error: Convergence, elements: int) -> Band:
-    """A smooth solution on curved edges: fine meshes leave less than the solver, on top of it."""
+    """Return a smooth solution on curved edges.
+
+    Fine meshes leave less than the solver, on top of it.
+    """
     own = error.two_sided(elements, "interior strain points, curved edges.")
     return Band(
         below=own.below + SOLVER,

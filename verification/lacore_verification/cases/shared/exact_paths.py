@@ -1,6 +1,6 @@
 """Exact paths of hardening bodies (T33): thick shells under pressure, strips and bars.
 
-Nothing here has been near an element: what sequential limit analysis is judged by.
+They use no elements and are the references of sequential limit analysis.
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ from lacore.model.materials.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, require_positive
 
-_WHOLE = 1e-12  # of an exponent: a hundredth of the accuracy asked of a closed form
-_GROWTH = np.geomspace(1e-6, 1e3, 2000)  # of the bore, where a peak is looked for
+_WHOLE = 1e-12  # For exponents: a hundredth of the required accuracy of a closed form.
+_GROWTH = np.geomspace(1e-6, 1e3, 2000)  # Bore radii that are searched for a peak.
 
 
 @dataclass(frozen=True)
@@ -68,48 +68,50 @@ class Peak:
 
 
 def cylinder(law: HardeningLaw, inner: float = 1.0, outer: float = 2.0) -> Shell:
-    """A thick cylinder in plane strain."""
+    """Return a thick cylinder in plane strain."""
     return Shell(law, inner, outer, 2)
 
 
 def sphere(law: HardeningLaw, inner: float = 1.0, outer: float = 2.0) -> Shell:
-    """A hollow sphere."""
+    """Return a hollow sphere."""
     return Shell(law, inner, outer, 3)
 
 
 def outer_radius(shell: Shell, bore: float) -> float:
-    """Current outer radius, m, at a bore of current radius `bore`: the volume stays."""
+    """Return the current outer radius, m, at a bore of current radius `bore`: the volume stays."""
     n = shell.dimension
     return float((shell.outer**n + _swept(shell, bore)) ** (1 / n))
 
 
 def strain(shell: Shell, bore: float, radius: Floats) -> Floats:
-    """Equivalent plastic strains at current radii [m], those of the bore included."""
+    """Return the equivalent plastic strains at current radii [m], those of the bore included."""
     n = shell.dimension
     return np.asarray(-shell.factor / n * np.log1p(-_swept(shell, bore) / radius**n))
 
 
 def bore_strain(shell: Shell, bore: float) -> float:
-    """Equivalent plastic strain at the bore, the largest."""
+    """Return the equivalent plastic strain at the bore, the largest."""
     _swept(shell, bore)
     return shell.factor * log(bore / shell.inner)
 
 
 def pressure(shell: Shell, bore: float) -> float:
-    """Pressure, Pa, at a bore of current radius `bore` [m]: closed form, or else quadrature.
+    """Return the pressure, Pa, at a bore of current radius `bore` [m]: closed form or quadrature.
 
     Raises:
-        InputError: a bore smaller than at the beginning.
+        InputError: the bore is smaller than at the beginning.
     """
     closed = closed_form(shell, bore)
     return quadrature(shell, bore) if closed is None else closed
 
 
 def closed_form(shell: Shell, bore: float) -> float | None:
-    """`pressure` of `Perfect`, `Linear` and `Voce` (T33); None where there is no such form.
+    """Return `pressure` of `Perfect`, `Linear` and `Voce` (T33).
 
-    Of Voce there is a finite one where ``m = rate factor/dimension`` is a whole number. For others
-    it takes a hypergeometric function that SciPy 1.17 does not compute near the bore.
+    None where there is no closed form.
+
+    For Voce there is a finite one where ``m = rate factor/dimension`` is an integer. Otherwise it
+    needs a hypergeometric function that SciPy 1.17 does not compute near the bore.
     """
     n, f, law = shell.dimension, shell.factor, shell.law
     swept, b = _swept(shell, bore), outer_radius(shell, bore)
@@ -128,7 +130,7 @@ def closed_form(shell: Shell, bore: float) -> float | None:
 
 
 def quadrature(shell: Shell, bore: float) -> float:
-    """`pressure` of any law, by adaptive integration over ``ln r``, to 1e-12."""
+    """Return `pressure` of any law, by adaptive integration over ``ln r``, to 1e-12."""
 
     def yield_stress(log_radius: float) -> float:
         at = strain(shell, bore, np.array([exp(log_radius)]))
@@ -139,7 +141,7 @@ def quadrature(shell: Shell, bore: float) -> float:
 
 
 def peak(shell: Shell) -> Peak:
-    """Largest pressure of the path, where ``dp/da`` vanishes (T33), or at the beginning.
+    """Return the largest pressure of the path, where ``dp/da`` vanishes (T33), or at the beginning.
 
     Raises:
         InputError: the pressure still rises at a bore of a thousand initial radii.
@@ -157,7 +159,7 @@ def peak(shell: Shell) -> Peak:
 
 
 def strip_force(law: HardeningLaw, length: float, width: float = 1.0) -> float:
-    """Force [N/m] on a strip in plane strain without friction, tension or compression.
+    """Return the force [N/m] on a strip in plane strain without friction, tension or compression.
 
     Args:
         law: of hardening.
@@ -169,7 +171,7 @@ def strip_force(law: HardeningLaw, length: float, width: float = 1.0) -> float:
 
 
 def bar_force(law: HardeningLaw, length: float, section: float = 1.0) -> float:
-    """Force [N] on a round bar or disc without friction, tension or compression.
+    """Return the force [N] on a round bar or disc without friction, tension or compression.
 
     Args:
         law: of hardening.
@@ -184,7 +186,7 @@ def _stress(law: HardeningLaw, at: float) -> float:
 
 
 def _swept(shell: Shell, bore: float) -> float:
-    """``c = r^n - R^n``, the same for all particles."""
+    """Return ``c = r^n - R^n``, the same for all particles."""
     if not bore >= shell.inner:
         raise InputError(
             "bore", bore, "smaller than at the beginning", f"give at least {shell.inner!r}"
@@ -193,7 +195,7 @@ def _swept(shell: Shell, bore: float) -> float:
 
 
 def _slope(shell: Shell, bore: float) -> float:
-    """``dp/da`` but for a positive factor."""
+    """Return ``dp/da`` except for a positive factor."""
     n, b = shell.dimension, outer_radius(shell, bore)
     inside = _stress(shell.law, bore_strain(shell, bore)) * (shell.inner / bore) ** n
     outside = _stress(shell.law, shell.factor * log(b / shell.outer)) * (shell.outer / b) ** n
@@ -209,6 +211,6 @@ def _whole(m: float) -> int:
 
 
 def _saturating(u: float, m: int) -> float:
-    """``E(u) = int_0^u (1 - (1-s)^m) ds/s``."""
+    """Return ``E(u) = int_0^u (1 - (1-s)^m) ds/s``."""
     k = np.arange(1, m + 1)
     return float(np.sum((1 - (1 - u) ** k) / k))

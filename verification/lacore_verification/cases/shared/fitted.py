@@ -51,7 +51,7 @@ def section(sectors: int, angle: float) -> MeshTri:
 
 
 def fitted_slab(ground: Criterion, sectors: int, angle: float, space: str) -> "la.Problem":
-    """Half of a slab between smooth walls under a smooth footing, see `section`."""
+    """Return half of a slab between smooth walls under a smooth footing, see `section`."""
     mesh = la.meshes.extruded(section(sectors, angle), (0, 0.5), 1)
     return la.Problem(
         bodies={"soil": la.Body(mesh, ground, kinematics="3d", space=space)},

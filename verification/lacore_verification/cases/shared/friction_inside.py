@@ -1,4 +1,4 @@
-"""What cases share whose soil dilates less than its friction."""
+"""Shared parts of cases with non-associated soil."""
 
 UNFIT = {
     "regularised": "their loop iterates on contact reactions alone, and here friction is inside of"

@@ -38,7 +38,7 @@ def mesh_of_slope(nx: int, ny: int, ratio: float, slope: float, level: float = 0
     x, y = cut.p
     rows = np.unique(y[cut.facets[:, cut.boundaries["right"]]])
     y = np.where(y == rows[np.argmin(np.abs(rows - level))], level, y)
-    # The face leans back, and with it what is behind, less and less towards the far end.
+    # The face is inclined, and the soil behind it less and less towards the far end.
     leant = x + np.maximum(y, 0.0) / tan(radians(slope)) * np.maximum(1 - x / BEHIND, 0.0)
     sides = ("left", "right", "bottom")
     names = {name: np.asarray(cut.boundaries[name]) for name in sides}
@@ -47,5 +47,5 @@ def mesh_of_slope(nx: int, ny: int, ratio: float, slope: float, level: float = 0
 
 
 def held() -> "list[la.Fix]":
-    """Far from the mechanism nothing moves."""
+    """Return supports without motion, far from the mechanism."""
     return [la.Fix("soil", side) for side in ("bottom", "left", "right")]

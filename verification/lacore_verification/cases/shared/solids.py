@@ -1,4 +1,4 @@
-"""Blocks in space for cases: boxes, and structures that are shaken."""
+"""Three-dimensional blocks for cases: boxes, and structures under horizontal acceleration."""
 
 import numpy as np
 
@@ -10,14 +10,14 @@ _SIDES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), 
 
 
 def box(low: Point, high: Point) -> "la.Polyhedron":
-    """A box by two of its corners."""
+    """Return a box by two of its corners."""
     (a, b, c), (d, e, f) = low, high
     ground = ((a, b), (d, b), (d, e), (a, e))
     return la.Polyhedron(np.array([(x, y, z) for z in (c, f) for x, y in ground]), _SIDES)
 
 
 def on_floor(b: float, h: float) -> "dict[str, la.Polyhedron]":
-    """A block b x b x h on a larger one, ``floor``, its axis that of z."""
+    """Return a block b x b x h on a larger one, ``floor``, its axis that of z."""
     return {
         "floor": box((-b, -b, -h), (b, b, 0.0)),
         "block": box((-b / 2, -b / 2, 0.0), (b / 2, b / 2, h)),
@@ -27,7 +27,7 @@ def on_floor(b: float, h: float) -> "dict[str, la.Polyhedron]":
 def shaken(
     blocks: "la.BlockAssembly3D", held: tuple[str, ...], direction: Point = (1.0, 0.0, 0.0)
 ) -> "la.Problem":
-    """Own weight as dead load, alpha times it along a unit vector; some blocks are held."""
+    """Return own weight as dead load, alpha times it along a unit vector; some blocks are fixed."""
     own = tuple(name for name in blocks.names if name not in held)
     return la.Problem(
         bodies={"blocks": blocks},
@@ -38,7 +38,7 @@ def shaken(
 
 
 def named(blocks: "la.BlockAssembly3D", start: str) -> tuple[str, ...]:
-    """Names of blocks that begin so."""
+    """Return names of blocks with this prefix."""
     return tuple(name for name in blocks.names if name.startswith(start))
 
 
@@ -48,7 +48,7 @@ HYPERSTATIC = {
 
 
 def certified(value: float, associated: float, up_to: float | None = None) -> Reference:
-    """A certified load, or all that its mechanism carries; others may carry others."""
+    """Return the reference to a certified load, or to all loads of its mechanism."""
     return Reference(
         value,
         "a Coulomb state whose ten residuals are below 1e-6",

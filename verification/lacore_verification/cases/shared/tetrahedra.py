@@ -16,26 +16,29 @@ WIDTH, DEPTH = 2.6, 1.3  # of the ground around a footing of half-side 1
 
 
 def on_diagonal(x: Floats) -> Bools:
-    """The plane of symmetry x = y of a square."""
+    """Return the plane of symmetry x = y of a square."""
     return np.asarray(np.abs(x[0] - x[1]) < 1e-9)
 
 
 def eighth(mesh: MeshTet) -> MeshTet:
-    """The tetrahedra of a box in which y < x, see `lacore.model.meshes.box`."""
+    """Return the tetrahedra of a box in which y < x, see `lacore.model.meshes.box`."""
     x, y, _ = mesh.p[:, mesh.t].mean(axis=1)
     kept: MeshTet = mesh.restrict(np.flatnonzero(y < x))
     return kept
 
 
 def under_footing(x: Floats) -> Bools:
-    """What a footing of half-side 1 stands on."""
+    """Return whether places are under a footing of half-side 1."""
     return np.asarray((x[2] == 0) & (x[0] <= 1))
 
 
 def slab(
     ground: Criterion, size: tuple[float, float], n: int, rough: bool, space: str
 ) -> "la.Problem":
-    """Half of a strip footing on ground one cell thick between smooth walls; its length, depth."""
+    """Return half of a strip footing on ground one cell thick between smooth walls.
+
+    Its length, depth.
+    """
     length, depth = size
     mesh = la.meshes.box((0, length), (0, 0.5), (-depth, 0), n + 1, 1, n, False, (1.0, 2.0))
     return la.Problem(
@@ -49,12 +52,12 @@ def slab(
 
 
 def bounded(low: float, high: float, unit: str, source: str) -> Reference:
-    """What strict bounds leave where no closed form is known."""
+    """Return the interval of strict bounds if no closed form is known."""
     return Reference(low, f"{low} {unit} <= alpha <= {high} {unit}", source, "bracket", up_to=high)
 
 
 def disc(sides: int, rings: int) -> MeshTri:
-    """A regular polygon, its corners at distance 1, in rings.
+    """Return a regular polygon, its corners at distance 1, in rings.
 
     Cut along the rays to its corners and to the middles of its sides.
     """
@@ -77,7 +80,7 @@ def disc(sides: int, rings: int) -> MeshTri:
 
 
 def hollow_octant(inner: float, outer: float, across: int, through: int) -> MeshTet:
-    """An eighth of a hollow sphere, ``start`` its bore, ``end`` its skin, others its planes.
+    """Return an eighth of a hollow sphere, ``start`` its bore, ``end`` its skin, others its planes.
 
     Its triangles stand on rays, those of the face x + y + z = 1 cut evenly. Names of the planes are
     `x`, `y`, `z`, of the axes across them.

@@ -21,7 +21,7 @@ SOURCE = (
 
 
 def shaken(blocks: "la.BlockAssembly", held: tuple[str, ...] = ("base",)) -> "la.Problem":
-    """Own weight as dead load, alpha times it to the right; some blocks are held."""
+    """Return own weight as dead load, alpha times it to the right; some blocks are fixed."""
     own = tuple(name for name in blocks.names if name not in held)
     return la.Problem(
         bodies={"blocks": blocks},
@@ -32,12 +32,12 @@ def shaken(blocks: "la.BlockAssembly", held: tuple[str, ...] = ("base",)) -> "la
 
 
 def wall(rows: Sequence[Sequence[float]], mu: float) -> "la.Problem":
-    """A wall from its courses, on a rigid base, `shaken`."""
+    """Return a wall from its courses, on a rigid base, `shaken`."""
     return shaken(la.masonry.running_bond(rows, mu, BLOCK))
 
 
 def listed(low: float, high: float, associated: float) -> Reference:
-    """Coulomb loads that one mechanism carries: others may carry other loads."""
+    """Return the reference to Coulomb loads of one mechanism; others may have other loads."""
     return Reference(
         low,
         "linear programs",
@@ -50,7 +50,7 @@ def listed(low: float, high: float, associated: float) -> Reference:
 
 
 def band(elements: int, mu: float) -> Band:
-    """The references are rounded to six digits; alpha is in weights."""
+    """Return the references are rounded to six digits; alpha is in weights."""
     return rigid(1.0)
 
 

@@ -42,7 +42,7 @@ _BULGE = 0.03  # largest height of an edge of the lip, per its length
 
 @dataclass(frozen=True)
 class Fan:
-    """How a body is meshed, and meshed anew after each step.
+    """Meshes of a body, at the beginning and after each step.
 
     Attributes:
         half_angle: of the wedge, degrees.
@@ -55,13 +55,13 @@ class Fan:
     step: float
 
     def first(self, depth: float) -> Mesh:
-        """The mesh of a body that the wedge has indented to a depth, with Hill's lip."""
+        """Return the mesh of a body that the wedge has indented to a depth, with Hill's lip."""
         end, foot = Hill(self.half_angle).lip(depth).T
         lip = shapely.LineString([end, foot, (WIDTH, 0.0)])
         return self._mesh(np.array([0.0, -depth]), end, lip, WIDTH * DEPTH)
 
     def __call__(self, problem: la.Problem) -> Mapping[str, Mesh]:
-        """New meshes of the same area, for `la.Remeshing(mesher=...)`."""
+        """Return the new meshes of the same area, for `la.Remeshing(mesher=...)`."""
         body, tool = problem.bodies["body"], problem.bodies["wedge"]
         assert isinstance(body, la.Body)
         assert isinstance(tool, la.BlockAssembly)
@@ -73,7 +73,7 @@ class Fan:
         return {"body": self._mesh(points[0], end, lip, _area(body.mesh))}
 
     def _mesh(self, tip: Floats, end: Floats, lip: shapely.LineString, area: float) -> Mesh:
-        """Of a given area: the edges of the lip make up for what its new vertices cut off."""
+        """Return a mesh of a given area: the edges of the lip compensate for its new vertices."""
         lip, foot = _with_foot(lip, Hill(self.half_angle).contact * -tip[1])
         length = lip.project(shapely.Point(foot))
         line, near_lip = _slip_line(tip, end, foot, self.cells)
@@ -93,7 +93,7 @@ class Fan:
 
 
 def _with_lip(mesh: Mesh, edges: Ints, lip: shapely.LineString, at: Floats, area: float) -> Mesh:
-    """The mesh with curved edges of the lip, and with the given area.
+    """Return the mesh with curved edges of the lip, and with the given area.
 
     Args:
         mesh: with straight edges.
@@ -116,7 +116,7 @@ def _with_lip(mesh: Mesh, edges: Ints, lip: shapely.LineString, at: Floats, area
 
 
 def _contact_end(points: Floats, half_angle: float) -> tuple[Floats, shapely.LineString]:
-    """Where a `surface` leaves the face of the wedge, and the surface from there on.
+    """Return where a `surface` leaves the face of the wedge, and the surface from there on.
 
     The edge that leaves the face is divided into a part on the face and a straight one, which
     enclose the same area.
@@ -137,10 +137,10 @@ def _contact_end(points: Floats, half_angle: float) -> tuple[Floats, shapely.Lin
 
 
 def _with_foot(lip: shapely.LineString, length: float) -> tuple[shapely.LineString, Floats]:
-    """The surface with a straight end of the lip, which encloses the same area, and its foot.
+    """Return the surface with a straight end of the lip of the same area, and its foot.
 
-    Velocities jump across the foot: a step leaves a wall there, and the next ones would be drawn
-    to it. The straight end continues the chord of the lip to the undisturbed surface.
+    Velocities jump across the foot: a step leaves a wall there, and the next ones would be drawn to
+    it. The straight end continues the chord of the lip to the undisturbed surface.
 
     Args:
         lip: the surface from the end of the contact on.
@@ -166,7 +166,7 @@ def _area_under(points: Floats) -> float:
 
 
 def _slip_line(tip: Floats, end: Floats, foot: Floats, cells: int) -> tuple[Floats, Floats]:
-    """The line from the tip to the foot of the lip, shape (n, 2), and shares from the fan to there.
+    """Return the line from the tip to the foot of the lip, shape (n, 2), and shares.
 
     Rectangular triangles of equal legs on the face and under the lip, and an arc between them.
     """
@@ -187,7 +187,7 @@ def _slip_line(tip: Floats, end: Floats, foot: Floats, cells: int) -> tuple[Floa
 
 
 def _far_ends(columns: int) -> Floats:
-    """Where the columns end on the bottom and the side of the body, shape (columns, 2)."""
+    """Return the ends of columns on the bottom and the side of the body, shape (columns, 2)."""
     corner = round(_BELOW * (columns - 1))
     places = np.full((columns, 2), [WIDTH, -DEPTH])
     places[: corner + 1, 0] = np.linspace(0.0, WIDTH, corner + 1)
@@ -196,7 +196,7 @@ def _far_ends(columns: int) -> Floats:
 
 
 def _growing(first: float, length: float) -> Floats:
-    """Places from 0 to a length, of cells that grow from a first one."""
+    """Return the places from 0 to a length, of cells that grow from a first one."""
     count = max(2, round(log(1 + length * (_GROWS - 1) / first) / log(_GROWS)))
     powers = np.arange(count)
     ratio = brentq(lambda r: first * np.sum(r**powers) - length, 1.0, 2 * _GROWS)
@@ -204,7 +204,7 @@ def _growing(first: float, length: float) -> Floats:
 
 
 def _crossed(end: Floats, places: Floats) -> MeshTri1:
-    """Triangles around the end of the contact, and four in each cell of the rows outside."""
+    """Return triangles around the end of the contact, and four in each cell outside."""
     rows, columns = places.shape[:2]
     number = 1 + np.arange(rows * columns).reshape(rows, columns)
     ring = np.stack([np.zeros(columns - 1, dtype=int), number[0, :-1], number[0, 1:]])
@@ -221,13 +221,13 @@ def _crossed(end: Floats, places: Floats) -> MeshTri1:
 
 
 def _edges(mesh: Mesh, chain: Ints) -> Ints:
-    """Facets between successive vertices."""
+    """Return the facets between successive vertices."""
     known = {ends: facet for facet, ends in enumerate(map(tuple, mesh.facets.T.tolist()))}
     return np.array([known[one, two] for one, two in pairwise(chain.tolist())])
 
 
 def _bulged(mesh: Mesh, edges: Ints, by: Floats) -> Mesh:
-    """The mesh after shifts of the midside nodes of edges, m, shape (edges, 2)."""
+    """Return the mesh after shifts of the midside nodes of edges, m, shape (edges, 2)."""
     nodes = mesh.doflocs.copy()
     nodes[:, mesh.nvertices + edges] += by.T
     return MeshTri2(nodes, mesh.t)
@@ -238,7 +238,7 @@ def _area(mesh: Mesh) -> float:
 
 
 def _named(mesh: Mesh) -> Mesh:
-    """With the boundaries of the body; the cut below the tip is also a part of its top."""
+    """Return the mesh with the boundaries of the body; the cut is also a part of its top."""
     facets = mesh.boundary_facets()
     x, y = mesh.p[:, mesh.facets[:, facets]]
     left, right = (x == 0).all(axis=0), (x == WIDTH).all(axis=0)

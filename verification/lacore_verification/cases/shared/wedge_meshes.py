@@ -46,17 +46,17 @@ class Hill:
 
     @property
     def contact(self) -> float:
-        """Length h of the contact, which is that of the lip, per depth."""
+        """Return the length h of the contact, which is that of the lip, per depth."""
         beta = radians(self.half_angle)
         return 1 / (cos(beta) - sin(beta - self.fan))
 
     @property
     def force(self) -> float:
-        """Of the whole wedge per k and depth."""
+        """Return the force on the whole wedge per k and depth."""
         return 4 * (1 + self.fan) * self.contact * sin(radians(self.half_angle))
 
     def lip(self, depth: float) -> Floats:
-        """Ends of the lip, on the face and on the undisturbed surface, shape (2, 2)."""
+        """Return the ends of the lip, on the face and on the undisturbed surface, shape (2, 2)."""
         beta, h = radians(self.half_angle), self.contact * depth
         start = np.array([h * sin(beta), h * cos(beta) - depth])
         along = np.array([cos(beta - self.fan), -sin(beta - self.fan)])
@@ -65,7 +65,7 @@ class Hill:
 
 @dataclass(frozen=True)
 class Columns:
-    """How a body is meshed, and meshed anew.
+    """Meshes of a body, at the beginning and on the way.
 
     Attributes:
         half_angle: of the wedge, degrees.
@@ -78,13 +78,13 @@ class Columns:
     least: float
 
     def first(self) -> Mesh:
-        """The mesh of the body before it is touched."""
+        """Return the mesh of the body before it is touched."""
         edge = shapely.LineString([(0.0, 0.0), (WIDTH, 0.0)])
         reach = self.cells * self.least * sin(radians(self.half_angle))
         return self._mesh(substring(edge, 0, reach), substring(edge, reach, WIDTH), 0.0)
 
     def __call__(self, problem: "la.Problem") -> Mapping[str, Mesh]:
-        """New meshes, for `la.sequential(remesh=...)`."""
+        """Return the new meshes, for `la.sequential(remesh=...)`."""
         body = problem.bodies["body"]
         assert isinstance(body, la.Body)
         points = surface(body.mesh)
@@ -110,7 +110,7 @@ class Columns:
 
 
 def surface(mesh: Mesh) -> Floats:
-    """The boundary "top" from the tip outwards as a line of points, shape (n, 2)."""
+    """Return the boundary "top" from the tip outwards as a line of points, shape (n, 2)."""
     facets = np.asarray(mesh.boundaries["top"])
     curves, ends = edge_curves(mesh, facets), mesh.facets[:, facets]
     corners = np.unique(ends)
@@ -128,7 +128,7 @@ def surface(mesh: Mesh) -> Floats:
 
 
 def lip_error(path: "la.Path", half_angle: float) -> float:
-    """Largest distance of the surface beside the wedge from Hill's, per depth."""
+    """Return the largest distance of the surface next to the wedge from Hill's, per depth."""
     snapshot = path.snapshots[-1]
     mesh = path.stage_of(snapshot).meshes_at(snapshot.configuration)["body"]
     points = surface(mesh)
@@ -140,12 +140,12 @@ def lip_error(path: "la.Path", half_angle: float) -> float:
 
 
 def along(line: shapely.LineString, at: Floats) -> Floats:
-    """Points at distances along a line, shape (n, 2)."""
+    """Return the points at distances along a line, shape (n, 2)."""
     return np.asarray(shapely.get_coordinates(shapely.line_interpolate_point(line, at)))
 
 
 def middles(line: shapely.LineString, at: Floats) -> Floats:
-    """Middles of curved edges between places of a line, with the same area below them."""
+    """Return the middles of curved edges between places of a line, with the same area below."""
     found = []
     for low, high in pairwise(at):
         part = shapely.get_coordinates(substring(line, low, high))
@@ -158,7 +158,7 @@ def middles(line: shapely.LineString, at: Floats) -> Floats:
 
 
 def _growing(size: float, length: float) -> Floats:
-    """Places from 0 to a length, of cells that grow from a size."""
+    """Return the places from 0 to a length, of cells that grow from a size."""
     cells = [size * _GROWS]
     while sum(cells) < length:
         cells.append(cells[-1] * _GROWS)
@@ -167,7 +167,10 @@ def _growing(size: float, length: float) -> Floats:
 
 
 def _columns(top: Floats, middles: Floats, shares: Floats) -> Mesh:
-    """Cells below a surface, whose edges have the given middles; rows at shares of the depth."""
+    """Return the cells below a surface, whose edges have the given middles.
+
+    Rows at shares of the depth.
+    """
     below = np.stack([top[:, 0], np.full(len(top), -DEPTH)], axis=1)
     places = (1 - shares)[:, None, None] * top + shares[:, None, None] * below
     rows, columns = places.shape[:2]
