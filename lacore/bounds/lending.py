@@ -1,4 +1,4 @@
-"""Cohesion that is lent to soils and masonry without any, as proofs of bounds need room (T45).
+"""Cohesion that is added to soils and masonry without any, for proofs of bounds (T45).
 
 A solver cannot find stresses that are exactly admissible where a body carries nothing unless
 something presses it. With lent strength it carries more: upper bounds stay bounds of the body as

@@ -39,7 +39,7 @@ LONG_PATIENCE: Final[int] = 20
 """The same for an iteration whose gap rises and falls on its way."""
 
 FAST_GAP: Final[float] = 0.4
-"""Gap per least one so far that a round of S-steps reaches as long as they are fast."""
+"""Gap per least one so far that consecutive S-steps reach as long as they are fast."""
 
 HALVED_GAP: Final[float] = 0.5
 """Gap per that of the last check, up to which undamped K-steps continue."""
