@@ -135,13 +135,14 @@ class Row:
         """Return the columns."""
         values = asdict(self)
         values["lambda"] = values.pop("regularised_lambda")
-        for name in _COUNTS:
+        for name in COUNTS:
             if values[name] == values[name]:
                 values[name] = int(values[name])
         return {name: values[name] for name in TYPES}
 
 
-_COUNTS = ("n_elements", "n_elements_lower", "n_dofs", "outer_iterations", "iterations")
+COUNTS = ("n_elements", "n_elements_lower", "n_dofs", "outer_iterations", "iterations")
+"""Columns of whole numbers, which are never negative."""
 
 
 _KINDS: Mapping[Any, str] = {str: "string", float: "float64", bool: "boolean"}
@@ -149,7 +150,7 @@ _KINDS: Mapping[Any, str] = {str: "string", float: "float64", bool: "boolean"}
 
 TYPES = {
     "lambda" if entry.name == "regularised_lambda" else entry.name: "Int64"
-    if entry.name in _COUNTS
+    if entry.name in COUNTS
     else _KINDS[entry.type]
     for entry in fields(Row)
 }

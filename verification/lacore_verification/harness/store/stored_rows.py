@@ -29,7 +29,7 @@ from lacore_verification.harness.verdicts.words import (
     PASS,
     SKIPPED,
 )
-from lacore_verification.runs.row import STRICT, Row
+from lacore_verification.runs.row import COUNTS, STRICT, Row
 from lacore_verification.runs.run import FUZZ
 
 TEXTS = ("run", "code", "session", "finished", "identity", "row", "residuals", "history")
@@ -43,7 +43,6 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "standing": ("", *(own.label for own in la.Standing)),
     "side": ("", "below", "above", "both"),
 }
-_COUNTS = ("n_elements", "n_elements_lower", "n_dofs", "outer_iterations", "iterations")
 _SIZES = (
     *("build_time", "solve_time", "peak_memory_mb", "compile_time", "solver_time"),
     *("calibration_before", "calibration_after"),
@@ -187,7 +186,7 @@ def _row(text: object) -> Row:
     for name, words in _WORDS.items():
         if getattr(row, name) not in words:
             raise WrongFieldError(f"row.{name}", f"= {getattr(row, name)!r:.60} is no {name}")
-    for name in (*_COUNTS, *_SIZES):
+    for name in (*COUNTS, *_SIZES):
         value = getattr(row, name)
         whole = name in _SIZES or isnan(value) or value == int(min(max(value, -1.0), _MOST))
         if not (isnan(value) or 0 <= value < _MOST) or not whole:
