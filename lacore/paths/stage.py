@@ -199,10 +199,7 @@ class Stage(Compact):
             x, y = place.tolist()
             return replace(load, at=(x, y))
 
-        motions = self.problem.driven
-        driven = driving(
-            self.blocks_at(configuration), {n: motions[n] for n in self.tools if n in motions}
-        )
+        driven = driving(self.blocks_at(configuration), self.problem.driven, self.tools)
         reference: Sequence[Load] = driven or [
             gripped(load) for load in self.problem.reference_loads
         ]
@@ -245,7 +242,7 @@ def staged(
     names = Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
     named = partial(_named, rigid=rigid, bodies=bodies, names=names)
     motions = drives or {}
-    driven = driving(rigid, {n: own for n, own in motions.items() if n in tools.shapes})
+    driven = driving(rigid, motions, tools.shapes)
     reference = [] if driven else list(map(named, problem.reference_loads))
     dead = list(map(named, problem.dead_loads))
     supports = list(map(named, problem.supports))

@@ -5,7 +5,7 @@ Normals are those of the tool where the step is solved, distances those where it
 for flat faces that do not turn (T28).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -229,9 +229,11 @@ def corner_station(
     return station.take(gap >= -_DEEP * own.size)
 
 
-def driving(rigid: Mapping[str, BlockAssembly], motions: Mapping[str, Floats]) -> list[Load]:
-    """The reference load by which tools of given motions are driven; none where none moves."""
-    moving = [name for name, motion in motions.items() if np.any(motion)]
+def driving(
+    rigid: Mapping[str, BlockAssembly], motions: Mapping[str, Floats], tools: Iterable[str]
+) -> list[Load]:
+    """Return the reference load that drives the named tools, or no load if none of them moves."""
+    moving = [name for name in tools if name in motions and np.any(motions[name])]
     return [_drive(name, rigid[name], motions[name]) for name in moving[:1]]
 
 
