@@ -402,3 +402,36 @@ def test_faces_of_tetrahedra_touch_planes_that_are_turned_with_them(turn):
     up = rotation[:, 2]
     found = touching(("b", "bottom"), la.RigidObstacle((0.1, 0.2, 0.3), tuple(up)), {"b": body})
     assert found.normal == pytest.approx(np.tile(up[:, None], found.slave.size))
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("corners", range(3, 12))
+def test_a_regular_polygon_may_be_rounded_to_a_disc(corners, size):
+    """By the radius of its inscribed circle the edges are used up, but for round-off."""
+    angle = 2 * np.pi * (np.arange(corners) + 0.1) / corners
+    points = size * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    inner = size * np.cos(np.pi / corners)
+    found = outline(points.tolist(), rounding=inner)
+    assert found.distance(np.zeros((2, 1)))[0] == pytest.approx(-inner)
+    with pytest.raises(la.InputError, match="more than the edge"):
+        outline(points.tolist(), rounding=inner * (1 + 1e-9))
+
+
+def test_a_body_around_a_disc_touches_it_from_outside():
+    """Normals of the obstacle are those at the edges, wherever its centre is."""
+    flat = la.meshes.quadrilaterals((1, 2), (0, 1), 1, 3)
+    centre = np.array([[5.0], [3.0]])
+    mesh = la.meshes.isoparametric(
+        flat, lambda x: centre + x[0] * np.stack([np.cos(x[1]), np.sin(x[1])])
+    )
+    body = la.Body(mesh, CRITERION, space="q2")
+    disc = la.RigidObstacle(shape=la.shapes.disc((5, 3), 1))
+    found = touching(("b", "left"), disc, {"b": body})
+    middle = (found.start + found.end) / 2 - centre
+    assert found.normal == pytest.approx(middle / np.linalg.norm(middle, axis=0), abs=1e-6)
+
+
+@pytest.mark.parametrize("points", [[(0, 0), (2, 0), (0, 2), (3, 1)], [(0, 0), (1, 0), (2, 0)]])
+def test_outlines_that_cross_themselves_or_enclose_nothing_are_rejected(points):
+    with pytest.raises(la.InputError, match="not a polygon"):
+        outline(points)
