@@ -7,6 +7,7 @@ import pytest
 
 from lacore.coupling import steps
 from lacore.coupling.steps import alternate, closest, least_gap, mean, s_steps, vanishes
+from lacore.reporting.status import Status
 
 ROWS = 3
 
@@ -234,3 +235,29 @@ def test_rough_solves_follow_the_slip_until_the_gap_is_small(monkeypatch, slip, 
 @pytest.mark.parametrize("gaps", [[None], [1.0, None]])
 def test_rough_solves_without_a_point_find_nothing(monkeypatch, gaps):
     assert steps._found_roughly(Rough(monkeypatch, gaps), None) is None
+
+
+@pytest.mark.parametrize(
+    ("statuses", "frozen"),
+    [
+        ([Status.SOLVED], [1.0, 4.0, 1.0]),
+        ([Status.UNSAFE, Status.SOLVED], [2.0, 4.0, 2.0]),
+        ([Status.LOCKED], [1.0, 4.0, 1.0]),
+    ],
+)
+def test_a_step_that_would_collapse_freezes_what_an_admissible_state_needs(
+    monkeypatch, statuses, frozen
+):
+    """The larger of both reactions at each point, and only then."""
+    left = list(statuses)
+
+    def step(run, reactions, static, kind):
+        return SimpleNamespace(inner=SimpleNamespace(status=left.pop(0)))
+
+    monkeypatch.setattr(steps, "k_step", step)
+    monkeypatch.setattr(steps, "pressing", lambda program, own: own.normal_reaction)
+    run, given = SimpleNamespace(program=None), np.array([1.0, 4.0, 1.0])
+    found, last = steps.feasible_k_step(run, given, point(pressed=2.0), "K")
+    assert found.tolist() == frozen
+    assert last.inner.status is statuses[-1]
+    assert not left
