@@ -134,7 +134,7 @@ def _generated(root: Path, path: Path, edit: Edit, source: bytes) -> Mutant:
 
 def tests_of(root: Path, path: Path) -> tuple[str, ...]:
     """Return the tests of the package of a file: of the innermost one that has tests of its own."""
-    own = sorted(root.glob(f"tests/lacore/program/test_{path.stem}*.py"))
+    own = sorted(root.joinpath("tests", "lacore", "program").glob(f"test_{path.stem}*.py"))
     if path.parts[:2] == ("lacore", "program") and own:
         return tuple(file.relative_to(root).as_posix() for file in own)
     parts = [part for part in path.parts if not part.startswith("lacore_")]
