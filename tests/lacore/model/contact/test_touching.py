@@ -435,3 +435,8 @@ def test_a_body_around_a_disc_touches_it_from_outside():
 def test_outlines_that_cross_themselves_or_enclose_nothing_are_rejected(points):
     with pytest.raises(la.InputError, match="not a polygon"):
         outline(points)
+
+
+def test_a_wedge_points_upwards_unless_it_has_another_axis():
+    assert la.shapes.Wedge(tip=(0.0, 0.0), half_angle=30.0) == wedge((0, 0), 30)
+    assert wedge((0, 0), 30).axis == (0.0, 1.0)
