@@ -198,13 +198,13 @@ class ToolTravel(Compact):
 
 
 def driven_by(control: Control, problem: Problem) -> dict[str, Floats]:
-    """Motions of the tools that a control drives, see `Problem.driven`; none of most."""
+    """Return the motions of the tools that a control drives, see `Problem.driven`, if any."""
     return control.motions(problem) if isinstance(control, ToolTravel) else {}
 
 
 @dataclass(frozen=True, repr=False)
 class Time(Compact):
-    """The time that has gone by, s, at velocities of ``F0.u = 1``: the work of the unit load.
+    """The elapsed time, s, at velocities of ``F0.u = 1``: the work of the unit load.
 
     Example:
         >>> control = la.Time()

@@ -1,4 +1,4 @@
-"""Whether bodies drift along a path: the velocity of a step is one of many (T32)."""
+"""Detect whether bodies drift along a path, because the velocity of a step is not unique (T32)."""
 
 from collections.abc import Sequence
 
@@ -11,24 +11,24 @@ from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 
 DRIFTS, SELECTED, LOST = "velocity not unique", "velocity selected", "velocity not selected"
-"""Kinds of events: the solver took one of many; the regular one was taken; none could be found."""
+"""Kinds of events: the velocity is not unique; a regular one is used; none can be found."""
 LATE = "velocity not unique before"
-"""Kind of an event: the velocity of the step before was one of many, too, and moved the bodies."""
-_EVERY = 8  # steps between two looks where nothing happens
-_SUDDEN = 2.0  # growth of the change of the velocity, from step to step, that calls for a look
+"""Kind of an event: the velocity of the step before was not unique, and moved the bodies."""
+_EVERY = 8  # steps between two checks without any other reason
+_SUDDEN = 2.0  # growth of the change of the velocity per step that requires a check
 _APART = 0.01  # width below which velocities count as the same
-# Least flatness of a choice. The paths of the catalogue have 7 at most where velocities differ at
-# all, rings in plane strain 35 to 4000 when they begin to drift.
+# Flatness from which another velocity is equivalent. It is at most 7 in the catalogue if velocities
+# differ at all, and 35 to 4000 for rings in plane strain when they begin to drift.
 _FLAT = 15.0
-_LATE = 1e-3  # width from which the velocity of the step before has left its mark on the shape
-_SAME = 0.1  # of the power: velocities that cost more are no choice at any width
+_LATE = 1e-3  # width from which the velocity of the step before has influenced the shape
+_SAME = 0.1  # of the power: velocities that dissipate more are not equivalent
 
 
 def due(rows: Sequence[PathStep], error: float, distance: float) -> bool:
-    """Whether to look at the next step, of a `PathStep.error` and a distance of the control.
+    """Whether to check the next step, given its `PathStep.error` and distance of the control.
 
-    The first one, now and then another, and where the velocity changes more suddenly than before:
-    one that drifts overshoots in each step by more than in the last.
+    The first step and every eighth are checked, and those in which the velocity changes more than
+    before: a drifting velocity overshoots by more in each step.
     """
     if len(rows) % _EVERY == 0:
         return True
@@ -38,10 +38,10 @@ def due(rows: Sequence[PathStep], error: float, distance: float) -> bool:
 
 
 def described(flow: Flow) -> str:
-    """How far the regular velocity of a step is from the one as solved; empty where it is that one.
+    """Describe how the regular velocity of a step differs; return empty text if it does not.
 
-    It takes one solve where none was selected; the viscosity of regularised backends leaves no
-    choice.
+    This needs one solve if no velocity was selected. The viscosity of regularised backends makes
+    the velocity unique.
     """
     if flow.state.regularised is not None:
         return ""
@@ -55,7 +55,7 @@ def described(flow: Flow) -> str:
 
 
 def too_late(before: LimitState | None) -> str:
-    """How far the velocity of the step before a drift was from the regular one; empty if hardly."""
+    """Describe how far the velocity before a drift was from the regular one; may be empty."""
     other = None if before is None else least_norm(before, _SAME, tries=1)
     if other is None or other.width <= _LATE:
         return ""
@@ -63,7 +63,7 @@ def too_late(before: LimitState | None) -> str:
 
 
 def warnings(events: Sequence[Event]) -> tuple[Finding, ...]:
-    """Return what the end of a path has to report of drifts; empty where it has not drifted."""
+    """Return the findings about drifts for the end of a path; empty without any."""
     steps = [event.step for event in events if event.kind == DRIFTS]
     if not steps:
         return ()
@@ -71,7 +71,7 @@ def warnings(events: Sequence[Event]) -> tuple[Finding, ...]:
 
 
 def selection_after(events: Sequence[Event], selection: LeastNorm | None) -> LeastNorm | None:
-    """Return the selection of a path after events: the default one where its bodies drift."""
+    """Return the selection of a path after events: the default one if its bodies drift."""
     drifts = any(event.kind == DRIFTS for event in events)
     return LeastNorm() if selection is None and drifts else selection
 
@@ -83,5 +83,5 @@ def ending(events: Sequence[Event]) -> Ending:
 
 
 def is_choice(other: Selected) -> bool:
-    """Whether a velocity is another one, for next to nothing of its load."""
+    """Whether a velocity differs from that of the state at almost the same load."""
     return other.width > _APART and other.width**2 > 2 * _FLAT * other.excess

@@ -62,11 +62,11 @@ class Ending(Enum):
 
 
 class PathEndError(Exception):
-    """The path cannot go on.
+    """The path cannot continue.
 
     Attributes:
-        ending: Its kind.
-        findings: What else there is to report, such as the element that would be inverted.
+        ending: Kind of the end.
+        findings: Further findings, such as the element that would be inverted.
     """
 
     def __init__(self, ending: Ending, *findings: Finding) -> None:

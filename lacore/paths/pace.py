@@ -12,13 +12,13 @@ from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Compact
 
-_END = 1e-9  # of the travel: what is left is round-off
-_SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # of the length of adaptive steps
+_END = 1e-9  # of the travel: a smaller rest is round-off
+_SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # factors on the length of adaptive steps
 
 
 @dataclass(frozen=True, repr=False)
 class AdaptiveSteps(Compact):
-    """Steps as long as their error allows.
+    """Steps whose length follows from their error.
 
     Attributes:
         tolerance: of the displacement by which the velocity may change within a step, per body
@@ -59,12 +59,12 @@ class Pace:
         self.next = self.travel * first
 
     def resume(self, step: float) -> None:
-        """Go on with a step of this length; equal ones are as long as ever."""
+        """Continue with a step of the given length; the length of equal steps does not change."""
         if isinstance(self.steps, AdaptiveSteps):
             self.next = step
 
     def distance(self, done: float) -> float:
-        """Of the next step; 0 at the end."""
+        """Return the distance of the next step; 0 at the end."""
         left = self.travel - done
         return 0.0 if left <= _END * self.travel else min(self.next, left)
 
@@ -76,7 +76,7 @@ class Pace:
         """Another attempt.
 
         Raises:
-            PathEndError: it would be too short.
+            PathEndError: The step would be too short.
         """
         shorter = distance * self._factor(error)
         assert isinstance(self.steps, AdaptiveSteps)

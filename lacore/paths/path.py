@@ -1,4 +1,4 @@
-"""What a path leaves behind: its history, what happened on the way, the bodies at every step."""
+"""Result of a path: its history, its events, and the bodies after every step."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def state_of(
     later: Sequence[tuple[int, Stage]],
     settings: Mapping[str, Any],
 ) -> LimitState:
-    """Solve for the limit state of a snapshot, which is not that of the beginning."""
+    """Solve for the limit state of a snapshot other than the first one."""
     assert snapshot.moment is not None
     return flow(stage_of(snapshot, first, later), snapshot.moment, settings).state
 
@@ -147,19 +147,19 @@ class Path(Reported):
     """A path of large deformation.
 
     Attributes:
-        status: whether the travel asked for is reached, and if not, why.
-        findings: What else there is to report; `message` is their text.
-        history: one row a step: ``travel`` and ``load_factor`` where the load is that of the bodies
-            (at the beginning of an explicit step, in the middle of a leapfrog step, at the end of
-            an implicit one), ``force``, the power of the reference load per speed of the control:
-            what a testing machine reads, and more, see `PathStep`.
-        events: one row an event: ``kind``, ``step``, ``travel`` and ``what`` of it.
-        snapshots: the bodies at the beginning and at the end of the steps that were to be kept.
-        last: limit state of the last step that was taken; None where there is none.
-        stage: the problem as it was made ready.
-        later: stages on new meshes, each with the first step that was taken on it.
-        settings: of each solve, see `lacore.solve`.
-        unit: of the travel, as its control says it: ``m``, of `Time` ``s``; else empty.
+        status: Whether the requested travel is reached, and if not, why.
+        findings: Further findings; `message` is their text.
+        history: One row per step. ``travel`` and ``load_factor`` refer to the configuration of the
+            load (at the beginning of an explicit step, in the middle of a leapfrog step, at the end
+            of an implicit one). ``force`` is the power of the reference load per speed of the
+            control, which a testing machine would measure. See `PathStep` for the other columns.
+        events: One row per event: ``kind``, ``step``, ``travel`` and the description ``what``.
+        snapshots: Bodies at the beginning and at the end of the steps to keep.
+        last: Limit state of the last step; None without any step.
+        stage: Problem that was prepared for the path, on the first meshes.
+        later: Stages on new meshes, each with the first step on them.
+        settings: Settings of each solve, see `lacore.solve`.
+        unit: Unit of the travel: ``m``, ``s`` for `Time`, or empty.
     """
 
     status: Ending
@@ -174,7 +174,7 @@ class Path(Reported):
     unit: str = ""
 
     def facts(self) -> Facts:
-        """How far it has come, and what was met on the way."""
+        """Return the travel, the loads and the events of the path."""
         rows = self.history
         steps, told = counted(len(rows), "step"), {"status": self.message}
         title = f"Path: {steps} to travel {self.snapshots[-1].travel:.7g}"
@@ -244,14 +244,14 @@ class Path(Reported):
         return state_of(snapshot, self.stage, self.later, self.settings)
 
     def tool_forces(self, step: int = -1) -> pd.DataFrame:
-        """What contact exerts on each rigid block in a step: force [N/m] and moment [N].
+        """Return the force [N/m] and moment [N] of contact on each rigid block in a step.
 
-        One row a block: ``body``, ``f_x``, ``f_y`` and ``moment`` about the centroid, of a
-        `Tool` about its reference point, anticlockwise. They belong to the limit problem as it was
-        solved, see `state`.
+        The table has one row per block: ``body``, ``f_x``, ``f_y`` and the anticlockwise ``moment``
+        about the centroid, or about the reference point of a `Tool`. They belong to the limit
+        problem as it was solved, see `state`.
 
         Raises:
-            InputError: see `state`.
+            InputError: See `state`.
         """
         return _block_forces(self.state(step))
 
@@ -284,15 +284,15 @@ class Path(Reported):
         return views.curve(self)
 
     def animate(self, file: str | PathLike[str], fps: float = 8.0, dpi: float = 90.0) -> None:
-        """A GIF or MP4: see `lacore.pictures.animation.animate_path`."""
+        """Write a GIF or MP4, see `lacore.pictures.animation.animate_path`."""
         views.animation(self, file, fps, dpi)
 
 
 def _block_forces(state: LimitState) -> pd.DataFrame:
-    """Resultants of contact on each rigid block, one row a block.
+    """Return the resultants of contact on rigid blocks, one row per block.
 
-    Columns ``body``, ``f_x`` and ``f_y`` [N/m], and ``moment`` [N], anticlockwise: about the
-    centroid, of a `Tool` about its reference point.
+    The columns are ``body``, ``f_x`` and ``f_y`` [N/m], and the anticlockwise ``moment`` [N] about
+    the centroid, or about the reference point of a `Tool`.
     """
     d, point, rows = state.discretisation, state.point, []
     assert point is not None

@@ -31,22 +31,22 @@ from lacore.solvers.backend import (
 from lacore.solvers.inner.preparing import preparer
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
-_CLOSER = 0.8  # of the strength that would make the excess just the one allowed
-_HALVINGS = 40  # of the way between two velocities
-_LARGEST = 0.1  # excess beyond which velocities have no load in common
+_CLOSER = 0.8  # of the strength at which the excess would be the allowed one
+_HALVINGS = 40  # most bisections between two velocities
+_LARGEST = 0.1  # excess beyond which loads are not nearly the same
 
 
 @dataclass(frozen=True, repr=False)
 class LeastNorm(Compact):
-    """Of all velocities of nearly the same load, one with the least strain rates (T32).
+    """Select the velocity with the least strain rates among those of nearly the same load (T32).
 
-    The norm, ``sum w sigma_Y t^2``, decides where hardening leaves a choice, and keeps bodies as
-    regular as they are. Between motions without strain it does not choose.
+    The norm is ``sum w sigma_Y t^2``. It selects a velocity if hardening does not, and keeps the
+    shape of bodies regular. It does not distinguish motions without strain.
 
     Attributes:
-        within: what the velocity may dissipate more than the least, of the power turned over: by so
-            much the load of the velocity that moves the bodies may be above the load factor. At
-            most 0.1.
+        within: Largest excess of dissipation over the minimum, relative to the dissipated power, at
+            most 0.1. The load of the velocity that moves the bodies may exceed the load factor by
+            this share.
 
     Example:
         >>> selection = la.LeastNorm(within=1e-4)
@@ -66,7 +66,7 @@ class LeastNorm(Compact):
 
 
 def require_selection(selection: LeastNorm | None, backend: Backend) -> None:
-    """Raise `InputError` unless a backend can select velocities as it is asked to."""
+    """Raise `InputError` unless a backend supports the selection of velocities."""
     if selection is None:
         return
     if not isinstance(selection, LeastNorm):
@@ -85,10 +85,11 @@ class Selected(Compact):
     """A velocity of nearly the same load as that of a limit state.
 
     Attributes:
-        velocity: of all unknowns, m/s at ``F0.u = 1``; admissible like that of the state.
-        width: how far both are apart, ``||u - u_state||/||u_state||`` in the norm of `LeastNorm`.
-        excess: what it dissipates more, of the power turned over; negative by round-off.
-        solves: that it took.
+        velocity: Velocity of all unknowns, m/s at ``F0.u = 1``; admissible like that of the state.
+        width: Distance ``||u - u_state||/||u_state||`` in the norm of `LeastNorm`.
+        excess: Additional dissipation, relative to the dissipated power; may be negative by
+            round-off.
+        solves: Number of solves.
     """
 
     velocity: Floats

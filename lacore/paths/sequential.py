@@ -68,40 +68,40 @@ def sequential(
     tools: Mapping[str, Tool] | None = None,
     on_step: Callable[[PathStep], None] | None = None,
 ) -> Path:
-    """Follow bodies through large deformation: a limit problem a step (T29).
+    """Follow bodies through large deformation, with one limit problem per step (T29).
 
-    Bodies move and harden, loads and footings act on their boundaries as they are, contact opens
+    Bodies move and harden, loads and footings act on the deformed boundaries, and contact opens
     and closes. Yang, Computers & Structures 33 (1989) 1171; Corradi & Panzeri, CMAME 193 (2004).
 
     Args:
-        problem: at the beginning. Its bodies deform, in plane strain or axisymmetric, or are single
-            rigid blocks. Bodies touch each other by interfaces of any law that neither dilates nor
-            carries tension; where they do is searched in each step. Elements become curved, of the
-            space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that no load factor is a
-            strict bound. `VonMises(hardening=...)` says how they harden; criteria whose strength
-            depends on pressure do not, and grow as their flow dilates.
-        travel: how far to go, in units of the control, > 0.
-        steps: how many equal ones, or `AdaptiveSteps`.
-        scheme: ``leapfrog`` (order 2, one solve a step), ``explicit`` (order 1, does not see
-            hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
+        problem: Problem at the beginning. Its bodies are deformable, in plane strain or
+            axisymmetric, or single rigid blocks. Bodies touch each other by interfaces with any law
+            without dilation and tension; contact is searched in each step. Elements become curved,
+            of the space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that no load factor
+            is a strict bound. `VonMises(hardening=...)` defines hardening. Criteria whose strength
+            depends on pressure do not harden, and their volume grows with dilation.
+        travel: Travel in units of the control, > 0.
+        steps: Number of equal steps, or `AdaptiveSteps`.
+        scheme: ``leapfrog`` (order 2, one solve per step), ``explicit`` (order 1, without hardening
+            within a step), ``implicit-midpoint`` (order 2, iterated, preserves areas) or
             ``implicit-euler`` (order 1, iterated); T30.
-        control: what the travel is of: `FootingTravel` (the default), `PointTravel`, `ToolTravel`
-            of rigid blocks with given velocities, or `Time`; by default that of `tools` that move.
-        approaching: interfaces with obstacles, planes or shapes, of two bodies, or of two parts of
-            the boundary of a body that folds, that do not touch yet, or in part. How a corner that
-            two interfaces share splits its reaction between them has no meaning.
+        control: Quantity that the travel measures: `FootingTravel` (the default), `PointTravel`,
+            `ToolTravel` of rigid blocks with given velocities, or `Time`. With moving `tools` the
+            default is their travel.
+        approaching: Interfaces that do not touch yet, or only in part: with obstacles, planes or
+            shapes, of two bodies, or of two parts of the boundary of a body that folds. If two
+            interfaces share a corner, the split of its reaction between them is arbitrary.
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
-            same load, at the cost of one or two more solves each time. By default hardening
-            decides alone, until an event ``velocity not unique`` reports that this is not enough
-            (T32): from this step on, `LeastNorm` with its default decides.
-        backend, coupling, tolerance, options: of each solve, see `lacore.solve`. Of soils whose
-            flow is not associated each load is certified, and one of several, maybe: look for the
-            others by `lacore.soil_range(path.problem(step))`, where nothing touches obstacles.
-        keep_every: of how many steps one leaves a snapshot; the first and the last one always do.
-        checkpoint: a file (npz) that keeps the path after each step. Called again with the same
-            arguments, it goes on from there, to the same path bit for bit but for
-            `PathStep.seconds`. Each step writes it anew, all snapshots included: `keep_every`
-            keeps it small.
+            same load, with one or two additional solves each time. By default only hardening
+            selects a velocity, until an event ``velocity not unique`` reports that this is not
+            enough (T32). From this step on, `LeastNorm` with its default is used.
+        backend, coupling, tolerance, options: Settings of each solve, see `lacore.solve`. For soils
+            with non-associated flow each load is certified, but others may exist;
+            `lacore.soil_range(path.problem(step))` searches for them if nothing touches obstacles.
+        keep_every: Interval of the snapshots to keep, in steps; the first and the last are kept.
+        checkpoint: File (npz) that keeps the path after each step. A call with the same arguments
+            continues from there, with identical results except for `PathStep.seconds`. Each step
+            rewrites the file with all snapshots; `keep_every` reduces its size.
         remesh: `Remeshing` makes new meshes when elements are distorted. A function makes them if
             the next step would invert an element, from the problem on the current shape, see
             `lacore.paths.renewal.remeshing.Remesh`; a checkpoint knows it by its name. Equivalent
@@ -119,9 +119,10 @@ def sequential(
             `hooks` instead.
 
     Raises:
-        InputError: bad arguments; bodies, contact and friction that a path does not follow; a
-            checkpoint that is damaged, cannot be written, or is of another path: it stays as it is.
-        CapabilityError: the backend is missing, or takes no hardening.
+        InputError: An argument is invalid, bodies, contact or friction are not supported along a
+            path, or a checkpoint is damaged, cannot be written or belongs to another path. The file
+            is not changed.
+        CapabilityError: The backend is missing, or does not support hardening.
 
     Example:
         >>> ring = la.meshes.quadrilaterals(x=(1, 2), y=(0, 0.25), nx=2, ny=1)

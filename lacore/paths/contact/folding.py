@@ -24,17 +24,17 @@ from lacore.reporting.text import Quantity
 
 FOLDED = "boundary folded"
 _PARTS = 4  # of an edge as a polyline
-_ON = 1e-9  # of the body size: a point that begins closer to a line is not seen to come to it
+_ON = 1e-9  # of the body size: for points closer to a line at the start, no contact is detected
 
 
 @dataclass(frozen=True, repr=False)
 class Fold(Compact):
-    """Where a body first touches itself.
+    """Place at which a body first touches itself.
 
     Attributes:
-        body: name.
-        place: m, shape (2,).
-        share: of the motion, from 0 to 1.
+        body: Name of the body.
+        place: Place, m, shape (2,).
+        share: Share of the motion, from 0 to 1.
     """
 
     body: str
@@ -125,7 +125,7 @@ def _near(before: Floats, after: Floats, segments: Ints) -> tuple[Ints, Ints]:
 
 
 def _met(first: Floats, motion: Floats, point: Ints, start: Ints, end: Ints, on: float) -> Floats:
-    """Shares of the motion at which points come to lines of segments, (n, 2); NaN where not."""
+    """Return the shares of the motion at which points reach lines of segments, (n, 2), or NaN."""
     away, along = (first[:, own] - first[:, start] for own in (point, end))
     away_moves, along_moves = (motion[:, own] - motion[:, start] for own in (point, end))
     length = np.linalg.norm(along, axis=0)

@@ -1,4 +1,4 @@
-"""How far bodies of a path are in each other or behind obstacles, and which edges touch."""
+"""Overlap of bodies with each other or with obstacles along a path, and edges that touch."""
 
 from collections.abc import Mapping, Sequence
 

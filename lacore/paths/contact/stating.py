@@ -78,16 +78,17 @@ def obstacle_of(
     names: Names,
     tools: Mapping[str, Shape],
 ) -> Obstacle:
-    """The obstacle of an interface, and the part of a body that may touch it.
+    """Return the obstacle of an interface, with the part of a body that may touch it.
 
     Args:
-        interface: of a body and an obstacle, or a tool.
-        bodies: those that deform.
-        names: of their boundaries.
-        tools: their shapes.
+        interface: Interface of a body and an obstacle or a tool.
+        bodies: Deformable bodies.
+        names: Names of their boundaries.
+        tools: Shapes of the tools.
 
     Raises:
-        InputError: no such body, a law that a path does not follow, a body behind its obstacle.
+        InputError: The body is unknown, the law is not supported along a path, or the body is
+            behind its obstacle.
     """
     name, where = interface.slave
     if name not in bodies:
@@ -166,18 +167,18 @@ def pair_of(
     field: str,
     depth: float = TOUCH,
 ) -> Pair:
-    """Two bodies that may touch.
+    """Return the pair of two bodies that may touch.
 
     Args:
-        interface: of two bodies, or of two parts of one.
-        bodies: all of them.
-        names: of the boundaries of those that deform.
-        field: of the interface, in errors.
-        depth: up to which the sides may overlap, of the size of the larger body.
+        interface: Interface of two bodies, or of two parts of one.
+        bodies: All bodies.
+        names: Names of the boundaries of deformable bodies.
+        field: Field of the interface, for errors.
+        depth: Largest overlap of the sides, relative to the size of the larger body.
 
     Raises:
-        InputError: no such body or boundary, a law that a path does not follow, bodies that
-            overlap where the path begins.
+        InputError: A body or boundary is unknown, the law is not supported along a path, or the
+            bodies overlap at the beginning of the path.
     """
     check_law(interface)
     deforming = of_kind(bodies, Body)
@@ -251,7 +252,7 @@ def _check_parts(one: Side, other: Side, field: str, bodies: Mapping[str, PlaneB
 
 
 def check_once(obstacles: Sequence[Obstacle], bodies: Mapping[str, Body]) -> None:
-    """No part of a boundary comes to one face twice, under two laws of friction."""
+    """Require that no part of a boundary can touch one face under two laws of friction."""
     for place, own in enumerate(obstacles):
         for other in obstacles[:place]:
             if own.body != other.body or not np.intersect1d(own.facets, other.facets).size:

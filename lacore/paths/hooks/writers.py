@@ -120,7 +120,7 @@ def _named(name: str, call: Callable[[PathProgress], object]) -> Callable[[PathP
 
 
 def _file(file: str | os.PathLike[str], endings: tuple[str, ...]) -> File:
-    """A file that can be written; told before the path, not after it."""
+    """Return a file that can be written; an error is reported before the path starts."""
     place = File(os.fspath(file))
     if place.suffix.lower() not in endings:
         known = " or ".join(endings)

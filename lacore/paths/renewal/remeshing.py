@@ -1,4 +1,4 @@
-"""New meshes for bodies on their way: the problem goes on where they are (T31)."""
+"""Make new meshes for the bodies of a path, which continues on them (T31)."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -187,7 +187,7 @@ def transfer_text(
 
 
 def control_on_new_mesh(control: Control, stage: Stage, configuration: Configuration) -> Control:
-    """A control for new meshes: its point is where it has come to."""
+    """Return a control for new meshes, whose point is at its present place."""
     if not isinstance(control, PointTravel):
         return control
     node = vertex_at(stage.bodies[control.body], control.at, "PointTravel.at")
@@ -196,13 +196,13 @@ def control_on_new_mesh(control: Control, stage: Stage, configuration: Configura
 
 
 def again(stage: Stage, control: Control, made: NewMeshes) -> tuple[Stage, Control]:
-    """The stage and the control on meshes that were taken before."""
+    """Return the stage and the control on new meshes of an earlier run."""
     at = Configuration(made.nodes, stage.start.strain)
     return restaged(stage, at, made.meshes)[0], control_on_new_mesh(control, stage, at)
 
 
 def described(remesh: Remesh | None) -> object:
-    """What to know it by again: of a function its name, and what it does must not change."""
+    """Return data that identify a way of remeshing in a checkpoint; a function has its name."""
     if isinstance(remesh, Remeshing) and remesh.mesher is not None:
         return [remesh.quality, described(remesh.mesher)]
     if remesh is None or isinstance(remesh, Remeshing):

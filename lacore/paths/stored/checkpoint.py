@@ -1,8 +1,8 @@
-"""A long path on the disk: all that its next step needs, after each step (npz with JSON inside).
+"""Checkpoints of long paths, which contain the data of the next step (npz with JSON inside).
 
-The file is replaced as a whole when a new one is complete and on the disk: whenever the process is
-killed, the last or the last but one is there. It holds arrays and text, nothing that is run, and
-digests of each of them. What is read is checked field by field (`lacore.paths.stored.progress`).
+A file is replaced as a whole when the new one is complete and on the disk. If the process is
+killed, the last or the last but one therefore exists. It holds arrays and text, no code, and
+digests of each of them. Data that are read are checked (`lacore.paths.stored.progress`).
 """
 
 import hashlib
@@ -48,13 +48,15 @@ _UNREADABLE = (
 """What readers of zip, npy and JSON raise on files that are not as they were written."""
 
 
-def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, str]:
-    """Digests of what a path follows from.
+def identity(
+    stage: Stage, settings: Mapping[str, Any], arguments: Mapping[str, Any]
+) -> dict[str, str]:
+    """Return digests of all data that determine a path.
 
     Args:
-        stage: the problem.
-        settings: of each solve.
-        said: all other arguments.
+        stage: The problem.
+        settings: Settings of each solve.
+        arguments: All other arguments.
     """
     problem, options = stage.problem, settings["options"]
     solver = {"backend": [settings["backend"], load_backend(settings["backend"]).version()]}
@@ -63,7 +65,7 @@ def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any])
         "supports": problem.supports,
         "loads": [problem.reference_loads, problem.dead_loads, stage.grips],
         "interfaces": [*stage.obstacles, *stage.pairs, *problem.interfaces],
-        **said,
+        **arguments,
         **settings,
         **solver,
         "options": {name: options[name] for name in sorted(options)},
@@ -76,11 +78,12 @@ class Checkpoint:
     """The file of one path, open for writing; a context manager.
 
     Args:
-        place: of the file; its folder is made where it is missing. A lock stands beside it.
-        identity: see `identity`.
+        place: Path of the file; a missing folder is created. A lock file is next to it.
+        identity: See `identity`.
 
     Raises:
-        InputError: no file, it cannot be written, or another process writes it.
+        InputError: It is not a file name, or the file cannot be written, or another process writes
+            it.
     """
 
     def __init__(self, place: str | os.PathLike[str], identity: Mapping[str, str]) -> None:
@@ -93,10 +96,11 @@ class Checkpoint:
             self._lock.acquire()
 
     def load(self, start: Configuration) -> Progress | None:
-        """What is on the disk, of a path that begins at `start`; None where nothing is.
+        """Read the file of a path that begins at `start`; return None if it does not exist.
 
         Raises:
-            InputError: it is damaged, was changed, is no checkpoint, or that of another path.
+            InputError: The file is damaged, was changed, is not a checkpoint, or belongs to another
+                path.
         """
         if not self._file.exists():
             return None
@@ -190,7 +194,7 @@ class Checkpoint:
 
 
 def _settle(folder: File) -> None:
-    """Make the new name of a file last, where folders can be told to."""
+    """Write the new name of a file to the disk, on systems that support this for folders."""
     if os.name != "posix":
         return
     number = os.open(folder, os.O_RDONLY)
@@ -201,7 +205,7 @@ def _settle(folder: File) -> None:
 
 
 def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Text and arrays; bodies by their number."""
+    """Return the text and the arrays of a path, with numbers in place of bodies."""
     here = progress.here
     names = list(here.configuration.nodes)
     packing = _Packing(names)
@@ -294,7 +298,7 @@ def _mesh_arrays(key: str, mesh: Mesh) -> dict[str, Any]:
 
 
 def _seal(text: bytes) -> np.ndarray:
-    """Digest of the head, which has those of all arrays."""
+    """Return the digest of the head, which contains those of all arrays."""
     return np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint8)
 
 
@@ -305,10 +309,10 @@ def _digest(values: np.ndarray) -> str:
 
 
 def _sound(head: Mapping[str, Any], archive: Mapping[str, Any], start: Configuration) -> Progress:
-    """A path so far that was not changed since, and that a path has left.
+    """Return a path so far after checking that it is unchanged and consistent.
 
     Raises:
-        WrongFieldError: it is none; the message names the field.
+        WrongFieldError: It is not; the message names the field.
     """
     arrays = dict(archive)
     text, seal = arrays.pop("head"), arrays.pop("seal")
@@ -382,7 +386,7 @@ def _mesh(
     parts: Sequence[str],
     regions: Sequence[Sequence[str]],
 ) -> Mesh:
-    """A mesh by its arrays; those without regions have no list of their names."""
+    """Return a mesh from its arrays; a mesh without regions has no list of their names."""
     mesh = _KINDS[kind](arrays[f"{key}/p"], arrays[f"{key}/t"]).with_boundaries(
         {name: arrays[f"{key}/boundary/{part}"] for part, name in enumerate(parts)}
     )

@@ -1,6 +1,6 @@
-"""A path so far, and what one that is read from a disk must be before it goes on.
+"""A path so far, and the checks of one that is read from a disk.
 
-Field by field, and all fields together: no step is taken from numbers that no step has left.
+The fields are checked one by one and together, so that a path only continues from consistent data.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,10 +25,10 @@ class Progress:
     """A path so far.
 
     Attributes:
-        here: where it is.
-        step: length of the next step, in units of the control.
-        rows, events, snapshots: what it leaves behind.
-        made: new meshes on the way.
+        here: State after the last step.
+        step: Length of the next step, in units of the control.
+        rows, events, snapshots: Record of the path, see `lacore.paths.logbook.Log`.
+        made: New meshes so far.
     """
 
     here: Here

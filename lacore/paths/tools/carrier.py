@@ -20,7 +20,7 @@ _SIDE = 0.05  # of the smallest body that a tool touches: the polygon, a square
 
 
 def carrier(reference: tuple[float, float], size: float) -> BlockAssembly:
-    """The block that carries a tool with a reference point, beside bodies of a size [m]."""
+    """Return the block that carries a tool with a reference point; `size` of the bodies, m."""
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * _SIDE * size / 2
     return BlockAssembly({PART: square + np.array(reference)}, friction=0.0)
 
@@ -30,9 +30,9 @@ class MovedShape(Compact):
     """A shape that was turned about the origin and then shifted.
 
     Attributes:
-        shape: before.
-        turn: rad.
-        shift: m.
+        shape: Shape before the motion.
+        turn: Rotation, rad.
+        shift: Displacement, m.
     """
 
     shape: Shape

@@ -39,13 +39,13 @@ def face_stations(
     unknowns: Unknowns,
     begin: Configuration,
 ) -> tuple[list[Station], list[Station]]:
-    """Contact with rigid faces: that of control values of bodies, and that of corners.
+    """Return contact with rigid faces, of control values of bodies and of corners.
 
     Args:
-        obstacles: the faces where the step begins, and where it is solved.
-        bodies: those that deform, there.
-        unknowns: of the problem where it is solved.
-        begin: where the step begins.
+        obstacles: Faces at the start of the step, and where it is solved.
+        bodies: Deformable bodies at these configurations.
+        unknowns: Unknowns of the problem where it is solved.
+        begin: Configuration at the start of the step.
     """
     faces: list[Station] = []
     corners: list[Station] = []
