@@ -37,7 +37,7 @@ def build(voussoirs: int, inner: float, outer: float, mu: float, slices: int) ->
 
 
 def reference(voussoirs: int, inner: float, outer: float, mu: float, slices: int) -> Reference:
-    """Return the reference: that of the plane."""
+    """Return the reference: that of the plane arch."""
     return Reference(
         PLANE[voussoirs, inner, outer, mu],
         "the load of the plane arch",

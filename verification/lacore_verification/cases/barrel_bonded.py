@@ -35,7 +35,7 @@ def build(psi: float) -> "la.Problem":
 
 
 def reference(psi: float) -> Reference:
-    """Return the reference: that of the plane, along x."""
+    """Return the reference: that of the plane arch, along x."""
     value = PLANE / cos(psi)
     return Reference(
         value,

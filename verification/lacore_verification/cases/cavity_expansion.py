@@ -97,7 +97,7 @@ def reference(angle: float, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, angle: float, steps: int, scheme: str) -> Band:
-    """Return the band: of the steps; that of the elements is hardly to be seen."""
+    """Return the band: errors of the steps; those of the elements are negligible."""
     mesh = _MESH * elements**-4 + SOLVER
     allowed = _allowed(steps, scheme) + mesh
     coefficient, order = _STEPS.get(scheme, _STEPS["leapfrog"])

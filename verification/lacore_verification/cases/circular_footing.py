@@ -77,7 +77,7 @@ def reference(rough: bool) -> Reference:
 
 
 def band(elements: int, rough: bool) -> Band:
-    """Return the band: interior strain points: from above, though nothing says so."""
+    """Return the band: interior strain points: from above, though this is not proven."""
     return (_ROUGH if rough else _SMOOTH).two_sided(elements, "interior strain points.")
 
 

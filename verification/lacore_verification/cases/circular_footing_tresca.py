@@ -85,7 +85,7 @@ def reference(angle: float, rough: bool) -> Reference:
 
 
 def band(elements: int, angle: float, rough: bool) -> Band:
-    """Return the band: interior strain points: from above, though nothing says so."""
+    """Return the band: interior strain points: from above, though this is not proven."""
     error = _FRICTION if angle else _ROUGH if rough else _SMOOTH
     return error.two_sided(elements, "interior strain points.")
 

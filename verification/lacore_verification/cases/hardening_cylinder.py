@@ -72,7 +72,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, steps: int, scheme: str) -> Band:
-    """Return the band: of the steps; that of the elements is hardly to be seen."""
+    """Return the band: errors of the steps; those of the elements are negligible."""
     mesh = _MESH * elements**-4 + SOLVER
     if scheme not in _STEPS:
         return Band(

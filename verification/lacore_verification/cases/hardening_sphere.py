@@ -75,7 +75,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, steps: int, scheme: str) -> Band:
-    """Return the band: of the steps and of the elements."""
+    """Return the band: errors of the steps and of the elements."""
     coefficient, order = _STEPS[scheme]
     mesh = thick_sphere.band(elements, "q2").above
     allowed = _SAFETY * coefficient * steps**-order + mesh

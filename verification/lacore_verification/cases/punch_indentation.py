@@ -44,7 +44,7 @@ def build(
 
 
 def path(law: str, rough: bool, steps: int, scheme: str) -> Following:
-    """Return the path: as deep as half of its width, if only the elements could."""
+    """Return the path: to half of its width, a depth that the elements do not reach."""
     return Following(
         _TRAVEL, steps, scheme, la.FootingTravel(), ending=Ending.INVERSION, bounded=True
     )
@@ -62,7 +62,7 @@ def reference(law: str, rough: bool, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, law: str, rough: bool, steps: int, scheme: str) -> Band:
-    """Return the band: of nothing."""
+    """Return the band, which is not used."""
     return Band(0.0, 0.0, "The load at the end is not known.")
 
 

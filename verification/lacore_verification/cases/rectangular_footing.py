@@ -55,7 +55,7 @@ def under_footing(x: Floats) -> Bools:
 
 
 def reference() -> Reference:
-    """Return the reference: what strict bounds leave."""
+    """Return the reference: the interval of strict bounds."""
     return bounded(LOW, HIGH, "k", "strict bounds of our own on meshes that were adapted")
 
 

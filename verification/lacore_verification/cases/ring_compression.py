@@ -91,7 +91,7 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, mu: float, law: str, steps: int, scheme: str) -> Band:
-    """Return the band: of the steps, without friction."""
+    """Return the band: errors of the steps, without friction."""
     if mu > 0:
         return Band(0.0, 0.0, "The load at the end is not known.")
     allowed = 1.3 * _STEPS / steps**2

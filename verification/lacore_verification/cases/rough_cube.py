@@ -39,7 +39,7 @@ def build(n: int, space: str) -> "la.Problem":
 
 
 def reference(space: str) -> Reference:
-    """Return the reference: what strict bounds leave."""
+    """Return the reference: the interval of strict bounds."""
     return bounded(
         LOW,
         HIGH,

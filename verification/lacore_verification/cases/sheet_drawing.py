@@ -182,7 +182,7 @@ def reference(process: str, angle: float, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, process: str, angle: float, steps: int, scheme: str) -> Band:
-    """Return the band: of first order."""
+    """Return the band: errors of first order."""
     length = float(np.ptp(_columns(1, process, angle)))
     cell = sqrt(2 * HEIGHT * length / elements)
     return Band(

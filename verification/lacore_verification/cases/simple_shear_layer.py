@@ -58,7 +58,7 @@ def reference(angle: float, dilation: float) -> Reference:
 
 
 def band(elements: int, angle: float, dilation: float) -> Band:
-    """Return the band: of one of several states."""
+    """Return the band of one of several states."""
     return Band(
         _OTHERS,
         _NEAR,

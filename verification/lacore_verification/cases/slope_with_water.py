@@ -60,7 +60,7 @@ def build(nx: int, ny: int, ratio: float, level: float, pool: bool) -> "la.Probl
 
 
 def reference(level: float, pool: bool) -> Reference:
-    """Return the reference: of buoyant weight, below the spiral, or between bounds."""
+    """Return the reference: by buoyant weight, below the spiral, or between bounds."""
     if pool and level > 1:
         least, most = (own / (1 - _WATER) for own in _DRY)
         formula = "that of a dry slope, slope-phi, over 1 - gamma_w/gamma"

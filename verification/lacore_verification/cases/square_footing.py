@@ -54,7 +54,7 @@ def build(
 
 
 def reference(rough: bool) -> Reference:
-    """Return the reference: what strict bounds leave."""
+    """Return the reference: the interval of strict bounds."""
     return bounded(
         *KNOWN[rough],
         "k",

@@ -64,7 +64,7 @@ def spread(path: "la.Path") -> float:
 
 
 def path(law: str, mu: float, slave: str, steps: int, scheme: str) -> Following:
-    """Return the path: by two fifths of the height."""
+    """Return the path: a travel of two fifths of the height."""
     return Following(
         TRAVEL,
         steps,
@@ -78,7 +78,7 @@ def path(law: str, mu: float, slave: str, steps: int, scheme: str) -> Following:
 
 
 def reference(law: str, mu: float, slave: str, steps: int, scheme: str) -> Reference:
-    """Return the reference: that of one block."""
+    """Return the reference of one block."""
     at = last_load(TRAVEL, steps, scheme)
     return Reference(
         strip_force(LAWS[law], 1 - at / HEIGHT, WIDTH),

@@ -73,7 +73,7 @@ def _under(x: Floats) -> Bools:
 
 
 def reference(rho: float, rough: bool) -> Reference:
-    """Return the reference: by characteristics, that strict brackets hold."""
+    """Return the reference: by characteristics, confirmed by strict brackets."""
     return Reference(
         _LOADS[rho, rough],
         "F (5.1416 k0 + rho B/4), F by integration",

@@ -30,7 +30,7 @@ def reference(assembly: str, mu: float) -> Reference:
 
 
 def band(elements: int, assembly: str, mu: float) -> Band:
-    """Return the band: that of the assembly."""
+    """Return the band of the assembly."""
     return ASSEMBLIES[assembly].band(mu)
 
 

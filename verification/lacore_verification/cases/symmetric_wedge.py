@@ -62,7 +62,7 @@ def wedged(
 
 
 def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> "la.Problem":
-    """Return the problem: pushed down."""
+    """Return the problem: the wedge is pushed down."""
     weights = {"left": Wb, "right": Wb, "wedge": W}
     return wedged(between_blocks(mu, mu_f, beta), weights, (0, -1))
 

@@ -102,7 +102,7 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
 
 
 def band(elements: int, mu: float, law: str, steps: int, scheme: str) -> Band:
-    """Return the band: exact without friction; with friction there is nothing to be off from."""
+    """Return the band: exact without friction; not used with friction."""
     if mu == 0:
         return Band(_ROUND_OFF, _ROUND_OFF, "Exact for any step (T30): what is left is the solver.")
     return Band(0.0, 0.0, "The load at the end is not known.")

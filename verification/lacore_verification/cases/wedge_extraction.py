@@ -23,7 +23,7 @@ from lacore_verification.cases.symmetric_wedge import GAP, LENGTH, TIP, between_
 
 
 def build(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> "la.Problem":
-    """Return the problem: pulled up."""
+    """Return the problem: the wedge is pulled up."""
     weights = {"left": Wb, "right": Wb, "wedge": W}
     return wedged(between_blocks(mu, mu_f, beta), weights, (0, 1))
 

@@ -121,7 +121,7 @@ def reference(half_angle: float, friction: float, cells: int, steps: int, scheme
 def band(
     elements: int, half_angle: float, friction: float, cells: int, steps: int, scheme: str
 ) -> Band:
-    """Return the band: of the cells, without friction."""
+    """Return the band: errors of the cells, without friction."""
     if friction > 0:
         return Band(0.0, 0.0, "The load at the end is not known.")
     allowed = _CELLS / cells
