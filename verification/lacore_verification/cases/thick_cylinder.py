@@ -58,7 +58,7 @@ def band(elements: int) -> Band:
 
 
 def order() -> Order:
-    """Return the order of convergence: smooth: that of the elements and of the polygon."""
+    """Return the order of convergence: that of the elements and of the polygon."""
     return Order(
         tuple({"n_radial": n, "n_angular": 2 * n} for n in (2, 4, 6, 8, 10)),
         1.0,
