@@ -24,8 +24,6 @@ PAGES = [
     *sorted((ROOT / "verification" / "lacore_verification" / "report").glob("*.j2")),
 ]
 LACORE, VERIFICATION = ROOT / "lacore", ROOT / "verification" / "lacore_verification"
-UNREAD = {LACORE / "limit", LACORE / "paths"}
-"""Packages whose docstrings still have private words."""
 PACKAGES = [
     ROOT / "backends" / "lacore_backends",
     *(file.parent for file in sorted(LACORE.glob("*/__init__.py"))),
@@ -140,11 +138,7 @@ def test_pages_use_established_terms(page):
     assert [*private_words(prose(page.read_text(encoding="utf-8")))] == []
 
 
-@pytest.mark.parametrize(
-    "package",
-    [p for p in PACKAGES if p not in UNREAD],
-    ids=lambda place: str(place.relative_to(ROOT)),
-)
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda place: str(place.relative_to(ROOT)))
 def test_docstrings_and_comments_use_established_terms(package):
     found = []
     for file in sorted(package.rglob("*.py")):
