@@ -126,7 +126,6 @@ def history_text(stated: Stated, path: la.Path) -> str:
     rows = [list(cells.columns), *cells.to_numpy().tolist()]
     said = ["  ".join(f"{own:>{wide}}" for own, wide in zip(row, widths, strict=True))
             for row in rows]  # fmt: skip
-    said.append("each load is that at the travel in its row, which may lie within a step")
     return "\n" + "\n".join(f"  {line}" for line in said)
 
 
