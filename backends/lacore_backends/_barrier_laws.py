@@ -49,11 +49,11 @@ class Centre:
 
     Attributes:
         stress: y, shape (m, e).
-        rooms, shares: t and z of the planes, shape (m, j).
+        slacks, shares: t and z of the planes, shape (m, j).
     """
 
     stress: Floats
-    rooms: Floats
+    slacks: Floats
     shares: Floats
 
 
@@ -129,7 +129,7 @@ class BarrierLaw:
     def at(self, velocity: Floats, mu: float) -> Smoothed:
         """Return energy, stresses and their derivative at a velocity of shape (n,)."""
         law, planes, first = self.law, self._planes, int(self._normed)
-        rates = law.rates(velocity) + law.besides
+        rates = law.rates(velocity) + law.prescribed
         inner = rates[:, self._inner]
         length = np.linalg.norm(inner, axis=1)
         felt = np.zeros_like(planes.compliance)
@@ -139,7 +139,7 @@ class BarrierLaw:
         self._last = centre if sound else None
         y = centre.stress
         energy = np.sum(y * (felt - planes.compliance * y / 2), axis=1)
-        energy += mu * np.log(centre.rooms).sum(axis=1)
+        energy += mu * np.log(centre.slacks).sum(axis=1)
         along = inner / np.maximum(length, _TINY)[:, None]
         stress = np.empty_like(rates)
         stress[:, self._inner] = y[:, :first] * along
@@ -206,9 +206,9 @@ def _centre(planes: Planes, rates: Floats, mu: float, near: Centre | None) -> tu
         found, moving = _followed(planes, rates, mu, near, _FROM_NEAR)
     if moving.any():
         own = Planes(planes.normals[moving], planes.bounds[moving], planes.compliance[moving])
-        rooms = np.maximum(own.bounds, 1.0)
+        slacks = np.maximum(own.bounds, 1.0)
         fastest = np.abs(rates[moving]).max(axis=1, keepdims=True)
-        start = Centre(0 * rates[moving], rooms, np.maximum(mu / rooms, fastest))
+        start = Centre(0 * rates[moving], slacks, np.maximum(mu / slacks, fastest))
         other, still = _followed(own, rates[moving], mu, start, _FROM_AFAR)
         found = other if found is None else _put(found, moving, other)
         return found, not still.any()
@@ -217,8 +217,8 @@ def _centre(planes: Planes, rates: Floats, mu: float, near: Centre | None) -> tu
 
 
 def _put(whole: Centre, where: Bools, part: Centre) -> Centre:
-    found = Centre(whole.stress.copy(), whole.rooms.copy(), whole.shares.copy())
-    found.stress[where], found.rooms[where] = part.stress, part.rooms
+    found = Centre(whole.stress.copy(), whole.slacks.copy(), whole.shares.copy())
+    found.stress[where], found.slacks[where] = part.stress, part.slacks
     found.shares[where] = part.shares
     return found
 
@@ -229,7 +229,7 @@ def _followed(
     """Return the centres by primal-dual steps of each point (Mehrotra), and which still move."""
     place, moving = start, np.ones(rates.shape[0], dtype=bool)
     for _ in range(steps):
-        t, z = place.rooms, place.shares
+        t, z = place.slacks, place.shares
         inverse = _inverse(planes, place)
         used = np.matmul(planes.normals, place.stress[:, :, None])[:, :, 0]
         missed = planes.bounds - used - t
@@ -265,7 +265,7 @@ def _inverse(planes: Planes, place: Centre) -> Floats:
     matrix = np.zeros((m, e + j, e + j))
     diagonal = np.arange(e + j)
     matrix[:, diagonal[:e], diagonal[:e]] = planes.compliance
-    matrix[:, diagonal[e:], diagonal[e:]] = -place.rooms / place.shares
+    matrix[:, diagonal[e:], diagonal[e:]] = -place.slacks / place.shares
     matrix[:, e:, :e] = planes.normals
     matrix[:, :e, e:] = planes.normals.transpose(0, 2, 1)
     return np.asarray(np.linalg.inv(matrix))
@@ -278,7 +278,7 @@ def _step(
     right = np.concatenate([left, missed - aim / place.shares], axis=1)
     found = np.matmul(inverse, right[:, :, None])[:, :, 0]
     dy, dz = found[:, : left.shape[1]], found[:, left.shape[1] :]
-    return dy, (aim - place.rooms * dz) / place.shares, dz
+    return dy, (aim - place.slacks * dz) / place.shares, dz
 
 
 def _share(first: Floats, second: Floats, away: float) -> Floats:

@@ -63,14 +63,14 @@ class ConicLaw:
     Attributes:
         rows: rows of the rates, shape (m dim, n).
         weights: weights of the points, shape (m,).
-        besides: prescribed part of the rates, shape (m, dim).
+        prescribed: prescribed part of the rates, shape (m, dim).
         compliance: C, shape (dim,).
         cones: empty for a linear law.
     """
 
     rows: Sparse
     weights: Floats
-    besides: Floats
+    prescribed: Floats
     compliance: Floats
     cones: tuple[Cones, ...]
 
@@ -234,7 +234,7 @@ def _body(group: DissipationGroup, penalty: Penalties) -> ConicLaw:
     return ConicLaw(
         rows=interleaved(rows, ball.size, theta, 1),
         weights=group.weights,
-        besides=_NONE,
+        prescribed=_NONE,
         compliance=np.append(np.full(ball.size, 1 / penalty.eta), 1 / penalty.bulk),
         cones=(_balls(group.bound[:, None], ball, ball.size + 1, group.rise[:, None, None]),),
     )
@@ -242,21 +242,23 @@ def _body(group: DissipationGroup, penalty: Penalties) -> ConicLaw:
 
 def _pressed(group: DissipationGroup, surfaces: Surfaces, penalty: Penalties) -> ConicLaw:
     stiffness = penalty.of_rates(surfaces.volumes)
-    besides = np.zeros((group.weights.size, group.dim + surfaces.volumes))
-    besides[:, group.dim :] = -surfaces.besides.reshape(-1, surfaces.volumes)
-    shear, mean = np.arange(group.dim), np.arange(group.dim, besides.shape[1])
+    prescribed = np.zeros((group.weights.size, group.dim + surfaces.volumes))
+    prescribed[:, group.dim :] = -surfaces.besides.reshape(-1, surfaces.volumes)
+    shear, mean = np.arange(group.dim), np.arange(group.dim, prescribed.shape[1])
     cones = []
     for normed in (True, False):
         own = (surfaces.normed > 0) == normed
         if not own.any():
             continue
-        balls = _balls(surfaces.strength[:, own], shear if normed else shear[:0], besides.shape[1])
+        balls = _balls(
+            surfaces.strength[:, own], shear if normed else shear[:0], prescribed.shape[1]
+        )
         balls.matrix[:, :, 0, mean] = surfaces.slope[:, own]
         cones.append(balls)
     return ConicLaw(
         rows=interleaved(group.rows, group.dim, group.volumetric, surfaces.volumes),
         weights=group.weights,
-        besides=besides,
+        prescribed=prescribed,
         compliance=1 / np.append(np.full(group.dim, stiffness[0]), stiffness[1:]),
         cones=tuple(cones),
     )

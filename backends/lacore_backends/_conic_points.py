@@ -89,7 +89,7 @@ class Points:
     @classmethod
     def at(cls, law: ConicLaw, place: Place, velocity: Floats) -> "Points":
         """Return the points at a place inside all cones."""
-        rates = law.rates(velocity) + law.besides - place.stress * law.compliance
+        rates = law.rates(velocity) + law.prescribed - place.stress * law.compliance
         strengths = []
         for cones, t, z in zip(law.cones, place.slacks, place.multipliers, strict=True):
             rates = rates - cones.rates(z)
@@ -105,7 +105,7 @@ class Points:
         nothing = tuple(np.zeros_like(h) for h in offsets)
         stress = np.zeros((law.weights.size, law.dim))
         scalings = tuple(Scaling.none(h) for h in offsets)
-        return cls(law, Place(stress, nothing, nothing), scalings, stress + law.besides, offsets)
+        return cls(law, Place(stress, nothing, nothing), scalings, stress + law.prescribed, offsets)
 
     @cached_property
     def _inverse(self) -> Floats:

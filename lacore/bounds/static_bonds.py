@@ -28,12 +28,12 @@ class StaticBonds(Compact):
 
     Attributes:
         following: nodes, of two multipliers each, shape (k,).
-        beside: the nodes that they follow, -1 for rigid blocks, shape (k,).
+        followed: the nodes that they follow, -1 for rigid blocks, shape (k,).
         rows: their values from all n multipliers: those of x, then those of y, shape (2 k, n).
     """
 
     following: Ints
-    beside: Ints
+    followed: Ints
     rows: Sparse
 
     @property
@@ -61,9 +61,9 @@ class StaticBonds(Compact):
         bond with a block.
         """
         moved = velocity.copy()
-        pair = self.beside >= 0
+        pair = self.followed >= 0
         for axis in (0, 1):
-            own, other = 2 * self.following[pair] + axis, 2 * self.beside[pair] + axis
+            own, other = 2 * self.following[pair] + axis, 2 * self.followed[pair] + axis
             moved[other] = (velocity[own] + velocity[other]) / 2
         moved[self._unknowns] = self.rows @ moved
         return moved
@@ -74,7 +74,7 @@ def static_bonds(
     segments: Sequence[Segments],
     bodies: Mapping[str, EquilibriumDofs],
     rigid: Mapping[str, RigidDofs[BlockAssembly]],
-    asked: NodeConditions,
+    conditions: NodeConditions,
     n: int,
 ) -> StaticBonds:
     """Return the multipliers that follow others through bonds.
@@ -82,13 +82,13 @@ def static_bonds(
     Args:
         interfaces, segments: interfaces of the problem.
         bodies, rigid: its continua and assemblies.
-        asked: conditions of supports and footings.
+        conditions: conditions of supports and footings.
         n: number of multipliers.
 
     Raises:
         InputError: edges of both sides do not match, or a support or footing holds them.
     """
-    following = beside = np.zeros(0, dtype=np.int64)
+    following = followed = np.zeros(0, dtype=np.int64)
     x = y = csr_matrix((0, n))
     for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
         names = [name for name, _ in interface.sides]
@@ -98,7 +98,9 @@ def static_bonds(
         station = traction_station(interface, own, index, bodies, rigid, n)
         nodes, others = station.moving.T[::-1] if turned else station.moving.T
         between = any(name in rigid for name in names)
-        _check_free(np.concatenate([nodes, others[:0] if between else others]), asked, interface)
+        _check_free(
+            np.concatenate([nodes, others[:0] if between else others]), conditions, interface
+        )
         mine, jump = selected(nodes, n), station.axes
         sign = -1.0 if turned else 1.0
         facing = [csr_matrix(rows - sign * part) for rows, part in zip(mine, jump, strict=True)]
@@ -106,12 +108,12 @@ def static_bonds(
             rows.eliminate_zeros()
         x, y = (vstack(part, format="csr") for part in zip((x, y), facing, strict=True))
         following = np.concatenate([following, nodes])
-        beside = np.concatenate([beside, np.full_like(others, -1) if between else others])
-    return StaticBonds(following, beside, csr_matrix(vstack([x, y], format="csr")))
+        followed = np.concatenate([followed, np.full_like(others, -1) if between else others])
+    return StaticBonds(following, followed, csr_matrix(vstack([x, y], format="csr")))
 
 
-def _check_free(nodes: Ints, asked: NodeConditions, interface: Interface) -> None:
-    if np.isin(nodes, asked.nodes).any():
+def _check_free(nodes: Ints, conditions: NodeConditions, interface: Interface) -> None:
+    if np.isin(nodes, conditions.nodes).any():
         raise InputError(
             "Problem.interfaces",
             interface.name,

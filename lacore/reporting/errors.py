@@ -162,14 +162,14 @@ def renamed_argument(
     return decorate
 
 
-def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
+def typed(**fixes: str) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
     """Return a decorator that raises `InputError` for arguments of the wrong type.
 
     Only types of objects are checked: classes of lacore, meshes, functions, mappings and paths, and
     None in unions with them. Numbers, names and arrays are checked by value when they are read.
 
     Args:
-        mends: fixes for arguments that need more than the name of their type.
+        fixes: fixes for arguments that need more than the name of their type.
     """
 
     def asking(asked: Callable[Given, Answer]) -> Callable[Given, Answer]:
@@ -184,7 +184,7 @@ def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, A
             kinds = judged()
             for name, value in (dict(zip(names, args, strict=False)) | kwargs).items():
                 if kinds.get(name) and not isinstance(value, kinds[name]):
-                    raise _wrong_kind(name, value, kinds[name], mends.get(name))
+                    raise _wrong_kind(name, value, kinds[name], fixes.get(name))
             return asked(*args, **kwargs)
 
         return answer

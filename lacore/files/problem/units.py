@@ -129,14 +129,16 @@ def amount(text: str, accepted: tuple[str, ...]) -> Amount:
     raise WrongUnitError(f"{unit!r} does not fit: this is in {named}", fix)
 
 
-def chosen(amounts: Iterable[Amount], sizes: Iterable[float], asked: Mapping[str, str]) -> Units:
+def chosen(
+    amounts: Iterable[Amount], sizes: Iterable[float], requested: Mapping[str, str]
+) -> Units:
     """Return the units of results: the most frequent units of forces, lengths and stresses.
 
     Args:
         amounts: all numbers of the file. Lengths without a unit are in m, and 0 has none. If no
             force has a unit, that of stresses determines it, and vice versa.
         sizes: values in SI, which determine the unit of forces if the file has none at all.
-        asked: a unit for ``force``, ``length``, ``stress`` that takes precedence.
+        requested: a unit for ``force``, ``length``, ``stress`` that takes precedence.
     """
     found: dict[str, Counter[str]] = {kind: Counter() for kind in ("force", "length", "stress")}
     for one in amounts:
@@ -144,7 +146,9 @@ def chosen(amounts: Iterable[Amount], sizes: Iterable[float], asked: Mapping[str
         if one.value and (kind == "length" or isinstance(one.given, str)):
             known = _WRITTEN.get(one.own, ())
             found[kind].update(name for name, size in known if isclose(size, one.size))
-    most = {kind: max(own, key=own.__getitem__) for kind, own in found.items() if own} | dict(asked)
+    most = {kind: max(own, key=own.__getitem__) for kind, own in found.items() if own} | dict(
+        requested
+    )
     stress = most.get("stress", "")
     force = most.get("force") or _FORCE_OF.get(stress) or fitting(sizes)
     units = Units(force, most.get("length", "m"), whole=True)

@@ -39,7 +39,7 @@ class Meetings(Compact):
         first, second: block numbers, (k,).
         normal: normals of the edges at the two corners, from the second block into the first, (2,
             4, k).
-        asked: which of them count, (4, k): those that separate the two, or both of a reentrant
+        counted: which of them count, (4, k): those that separate the two, or both of a reentrant
             corner.
         reentrant: whether all that count are required, and not one of them, (k,).
         linked: whether a chain of joints that end there links the two blocks, (k,).
@@ -49,7 +49,7 @@ class Meetings(Compact):
     first: Ints
     second: Ints
     normal: Floats
-    asked: Bools
+    counted: Bools
     reentrant: Bools
     linked: Bools
 
@@ -65,8 +65,8 @@ class Meetings(Compact):
             relative: velocities of the first block against the second there, (2, k).
         """
         along = np.einsum("aek,ak->ek", self.normal, relative)
-        every = np.where(self.asked, along, np.inf).min(axis=0)
-        one = np.where(self.asked, along, -np.inf).max(axis=0)
+        every = np.where(self.counted, along, np.inf).min(axis=0)
+        one = np.where(self.counted, along, -np.inf).max(axis=0)
         return np.asarray(np.where(self.reentrant, every, one))
 
 
@@ -87,7 +87,7 @@ def meetings(edges: BlockEdges, joints: Joints, tolerance: float) -> Meetings:
 
     turn = _cross(edges.normal[:, before], edges.normal)
     flat = _NEAR * tolerance
-    asked, normal = [], []
+    counted, normal = [], []
     for own, other, sign in ((i, j, -1.0), (j, i, 1.0)):
         neighbours = edges.start[:, before[other]], edges.end[:, other]
         for edge in (before[own], own):
@@ -95,7 +95,7 @@ def meetings(edges: BlockEdges, joints: Joints, tolerance: float) -> Meetings:
                 np.sum((point - edges.start[:, own]) * edges.normal[:, edge], axis=0)
                 for point in neighbours
             ]
-            asked.append(np.minimum(*away) >= -flat)
+            counted.append(np.minimum(*away) >= -flat)
             normal.append(sign * edges.normal[:, edge])
     hollow = np.stack([turn[i] < 0, turn[j] < 0])  # clockwise: more than 180 degrees
     reentrant = np.asarray(hollow.any(axis=0))
@@ -107,7 +107,7 @@ def meetings(edges: BlockEdges, joints: Joints, tolerance: float) -> Meetings:
         first=edges.block[i][kept],
         second=edges.block[j][kept],
         normal=np.stack(normal, axis=1)[:, :, kept],
-        asked=np.where(reentrant, own, np.stack(asked))[:, kept],
+        counted=np.where(reentrant, own, np.stack(counted))[:, kept],
         reentrant=reentrant[kept],
         linked=linked[kept],
     )

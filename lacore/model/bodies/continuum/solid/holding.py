@@ -103,26 +103,28 @@ def slid_past(
     Raises:
         InputError: see `held_faces`.
     """
-    asked = face_conditions(dofs.body, supports, footings, name)
-    held = held_faces(dofs, asked, footings)
+    conditions = face_conditions(dofs.body, supports, footings, name)
+    held = held_faces(dofs, conditions, footings)
     return held if dofs.normal_flow else held.kept(held.altogether)
 
 
-def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing]) -> HeldFaces:
+def held_faces(
+    dofs: BodyDofs, conditions: NodeConditions, footings: Sequence[Footing]
+) -> HeldFaces:
     """Return the faces that conditions hold, see `face_conditions`.
 
     Args:
         dofs: unknowns of the body.
-        asked: conditions on faces.
+        conditions: conditions on faces.
         footings: footings by their numbers in the conditions.
 
     Raises:
         InputError: a face held by two, or in a direction that is neither along nor across it.
     """
-    facets, at = np.unique(asked.nodes, return_inverse=True)
+    facets, at = np.unique(conditions.nodes, return_inverse=True)
     owner = np.full(facets.size, -1)
-    np.maximum.at(owner, at, asked.footing)
-    both = np.flatnonzero(asked.footing != owner[at])
+    np.maximum.at(owner, at, conditions.footing)
+    both = np.flatnonzero(conditions.footing != owner[at])
     if both.size:
         raise InputError(
             "RigidFooting",
@@ -132,7 +134,7 @@ def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing
         )
     _, normal = face_geometry(dofs.body.mesh, facets)
     gram = np.zeros((facets.size, 3, 3))
-    np.add.at(gram, at, asked.directions[:, :, None] * asked.directions[:, None, :])
+    np.add.at(gram, at, conditions.directions[:, :, None] * conditions.directions[:, None, :])
     n = normal.T
     pressing = np.einsum("eij,ej->ei", gram, n)
     across = np.sum(pressing * n, axis=1)
@@ -178,10 +180,10 @@ def solid_free_basis(
     """
     free, driven, touched = [], [], []
     for name, dofs in bodies.items():
-        asked = face_conditions(dofs.body, supports, footings, name)
-        nodes = dofs.facet_nodes(asked.nodes)
+        conditions = face_conditions(dofs.body, supports, footings, name)
+        nodes = dofs.facet_nodes(conditions.nodes)
         if dofs.normal_flow:
-            own = held_faces(dofs, asked, footings)
+            own = held_faces(dofs, conditions, footings)
             holds_normal = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
             holds_normal[own.facets] = own.holds_normal
             carried = np.zeros((holds_normal.size, nodes_of_faces(dofs), len(own.motion)))
@@ -189,13 +191,13 @@ def solid_free_basis(
             carried[own.facets] = np.einsum("xe,sxen->ens", own.normal, own.motion)
             parts = flowing(dofs, holds_normal, carried)
         else:
-            stuck = np.ones(asked.nodes.size, dtype=bool)
+            stuck = np.ones(conditions.nodes.size, dtype=bool)
             if dofs.space.jumps:
                 past = slid_past(dofs, supports, footings, name).facets
-                stuck = ~np.isin(asked.nodes, past)
+                stuck = ~np.isin(conditions.nodes, past)
             at = nodes[:, stuck].ravel()
-            directions = np.tile(asked.directions[stuck], (len(nodes), 1))
-            owner = np.tile(asked.footing[stuck], len(nodes))
+            directions = np.tile(conditions.directions[stuck], (len(nodes), 1))
+            owner = np.tile(conditions.footing[stuck], len(nodes))
             wanted = moved_along(directions, owner, dofs.nodes[:, at], footings)
             node_dofs = dofs.dofs - dofs.offset
             parts = flowing_between_nodes(at, directions, wanted, node_dofs, speed_names(footings))
