@@ -1,8 +1,8 @@
-"""Cohesion that is added to soils and masonry without any, for proofs of bounds (T45).
+"""Cohesion that is lent to soils and masonry without any, so that bounds can be proven (T45).
 
-A solver cannot find stresses that are exactly admissible where a body carries nothing unless
-something presses it. With lent strength it carries more: upper bounds stay bounds of the body as
-stated, lower bounds are bounds of the body with the lent strength.
+A solver cannot find stresses that are exactly admissible where a body has no strength without
+pressure. With lent strength the body carries more: upper bounds remain bounds of the body as
+stated, and lower bounds are bounds of the body with the lent strength.
 """
 
 from collections.abc import Mapping

@@ -131,7 +131,10 @@ class LowerBound(Reported):
         )
         told |= started(self.compile_time)
         told["size"] = self.model.contents
-        return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {self.rigor.value}", told)
+        lent = any(own.kind is Kind.LENT_COHESION for own in self.findings)
+        lent &= self.rigor is Rigor.LOWER
+        rigor = "strict lower bound with a lent cohesion" if lent else self.rigor.value
+        return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {rigor}", told)
 
     def picture(self) -> Picture:
         """Return the stresses of continua, or the problem if there are none."""

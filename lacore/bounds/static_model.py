@@ -269,9 +269,9 @@ def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None
         raise InputError(
             named_criterion(name, region),
             region.criterion.label,
-            "no cohesion or no tension: where nothing presses it stresses have no room to be exact"
-            " in",
-            text("{}: what is proven then is of that soil", lend(dofs.body, dead_load)),
+            "no cohesion or no tensile strength, without which floating-point arithmetic cannot"
+            " prove a lower bound",
+            text("{}; the bound is then one of that material", lend(dofs.body, dead_load)),
         )
 
 

@@ -115,10 +115,9 @@ class Kind(Enum):
         " peak"
     )
     HARDLY_STRONG = (
-        "{where!r} carries nothing where nothing presses it, which leaves solvers no room: lend it"
-        " next to none, {lent} of cohesion or of tension (Rankine for NoTension), by which its"
-        " load factor hardly rises; or take another of the backends 'clarabel' and"
-        " 'interior_point'"
+        "{where!r} has no strength without pressure, with which solvers often fail: give it a"
+        " negligible cohesion or tensile strength, {lent} (Rankine for NoTension), which hardly"
+        " raises the load factor; or take another of the backends 'clarabel' and 'interior_point'"
     )
 
     # Bounds
@@ -135,13 +134,13 @@ class Kind(Enum):
         " {beyond:.1e}"
     )
     STRENGTH_TOO_SMALL = (
-        "{where!r} carries {strength} where nothing presses it, which leaves proofs hardly any"
-        " room: lend it next to none, {lent} of cohesion or of tension (Rankine for NoTension),"
-        " or take another of the backends 'clarabel' and 'interior_point'"
+        "{where!r} has a strength of {strength} without pressure, which is too small for a proof:"
+        " give it a negligible cohesion or tensile strength, {lent} (Rankine for NoTension), or"
+        " take another of the backends 'clarabel' and 'interior_point'"
     )
     LENT_COHESION = (
-        "{where!r} is lent {lent} of cohesion or of tension: a lower bound is one with it, an upper"
-        " bound is one without it, too"
+        "{where!r} has a lent cohesion or tensile strength of {lent}: lower bounds apply to the"
+        " body with it, upper bounds also to the body as stated"
     )
     COARSE_TOLERANCE = (
         "tighten the backend's tolerance, or fix the mesh (smallest angle {angle:.2g} degrees)"

@@ -135,10 +135,10 @@ class Bracket(Reported):
 
     @property
     def strict(self) -> bool:
-        """Whether both are bounds of the continuum: exact geometry, and they do not cross."""
+        """Whether both are bounds of the continuum as stated, and do not cross."""
         rigors = (self.lower_bound.rigor, self.upper_bound.rigor)
         crossed = crossing(self.lower_bound, self.upper_bound)
-        return rigors == (Rigor.LOWER, Rigor.UPPER) and not crossed
+        return rigors == (Rigor.LOWER, Rigor.UPPER) and not crossed and not self.lent
 
     @property
     def polygonal(self) -> bool:
@@ -150,7 +150,8 @@ class Bracket(Reported):
     def heading(self) -> str:
         """``5.116 <= load factor <= 5.198   (width 1.58%, reached)``."""
         bounded = f"{_EVERY if self.coulomb else ''}{POLYGON if self.polygonal else BODY}"
-        return heading(self.lower, self.upper, self.width, self.status.label, bounded)
+        ending = self.status.label + "; lower bound with a lent cohesion" * bool(self.lent)
+        return heading(self.lower, self.upper, self.width, ending, bounded)
 
     @property
     def failure(self) -> str:

@@ -250,7 +250,7 @@ WRONG = {
     "no tension": (  # crushing sets the size of its loads
         lambda p: la.safety_factor(cut(1.0, la.NoTension(5.0))),
         "criterion",
-        "lend it next to none, 5.0e-05 Pa",
+        "negligible cohesion or tensile strength, 5.0e-05 Pa",
     ),
 }
 

@@ -37,8 +37,9 @@ def next_to_none(body: "Body", dead_load: Floats) -> float:
 def lend(body: "Body", dead_load: Floats) -> Text:
     """Return advice on the strength for regions without any; see `next_to_none`."""
     least = f"{next_to_none(body, dead_load):.1e}"
-    whole = f"{least} Pa of cohesion or of tension (Rankine for NoTension)"
-    return text("lend it next to none, {}{}", whole, Term(f" or `lent_cohesion={least}`", ""))
+    whole = f"{least} Pa (Rankine for NoTension)"
+    with_argument = Term(f", or `lent_cohesion={least}`", "")
+    return text("give it a negligible cohesion or tensile strength, {}{}", whole, with_argument)
 
 
 def hardly_any(body: "Body", dead_load: Floats) -> float | None:
