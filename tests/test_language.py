@@ -113,12 +113,12 @@ def private_words(text):
             yield f"{found[0]!r} in {around!r}: write {write}"
 
 
-def docstrings(source):
-    """Yield docstrings and texts below attributes, without the names of arguments."""
+def texts(source):
+    """Yield texts of four words or more: docstrings, without names of arguments, and messages."""
     for node in ast.walk(ast.parse(source)):
-        value = node.value if isinstance(node, ast.Expr) else None
-        if isinstance(value, ast.Constant) and isinstance(value.value, str):
-            yield _NAMES.sub("", value.value)
+        value = node.value if isinstance(node, ast.Constant) else None
+        if isinstance(value, str) and value.count(" ") >= 3:
+            yield _NAMES.sub("", value)
 
 
 def comments(source):
@@ -139,11 +139,11 @@ def test_pages_use_established_terms(page):
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda place: str(place.relative_to(ROOT)))
-def test_docstrings_and_comments_use_established_terms(package):
+def test_docstrings_messages_and_comments_use_established_terms(package):
     found = []
     for file in sorted(package.rglob("*.py")):
         source = file.read_text(encoding="utf-8")
-        for text in (*docstrings(source), *comments(source)):
+        for text in (*texts(source), *comments(source)):
             found += [f"{file.relative_to(ROOT)}: {word}" for word in private_words(prose(text))]
     assert found == []
 

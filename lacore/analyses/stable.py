@@ -200,6 +200,6 @@ def require_dead_loads(problem: Problem) -> None:
         raise InputError(
             "Problem.dead_loads",
             None,
-            "there is none, and what is asked is what these alone do",
+            "there is none, and stability concerns these alone",
             "give the weights as dead_loads; reference loads do not act here",
         )

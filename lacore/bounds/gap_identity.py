@@ -241,7 +241,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
             raise InputError(
                 "upper",
                 dofs.body.space,
-                "its dissipation is no bound, so that shares could be negative",
+                "its dissipation is not a bound, so that shares could be negative",
                 "give its `upper_bound`, or solve with Body(space='p2-vertex')",
             )
         mesh, other = dofs.body.mesh, lower.model.continua[name].body.mesh

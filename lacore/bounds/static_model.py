@@ -250,13 +250,13 @@ def _continua(problem: Problem) -> dict[str, Body]:
                 body.kinematics,
                 "no lower bound: linear stresses cannot be in equilibrium with the hoop stress over"
                 " r",
-                "take `solve`, whose value converges, and is no bound",
+                "take `solve`, whose value converges, but is not a bound",
             )
     if not bodies:
         raise InputError(
             "Problem.bodies",
             list(problem.bodies),
-            "a lower bound takes rigid blocks beside deformable bodies only",
+            "a lower bound takes rigid blocks only together with deformable bodies",
             "take `solve`: of rigid blocks alone what it certifies is exact, and coupling="
             "'frictionless' and 'associated' bound every Coulomb load factor",
         )

@@ -65,7 +65,7 @@ def program_to_solve(
     check_capable(backend, program)
     if not program.frictional or coupling == CERTIFIED:
         return program
-    why = "iterates on contact reactions, and a soil here dilates less than its friction"
+    why = "iterates on contact reactions, and a soil here has non-associated flow"
     single = "'associated' or 'davis' for a single solve"
     if requested is None:
         raise InputError(

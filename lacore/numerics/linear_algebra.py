@@ -22,7 +22,7 @@ class SingularError(LacoreError):
 def require_numbers(entries: Floats) -> None:
     """Raise `SingularError` if an entry is NaN or infinite, as there would be no pivot."""
     if not np.isfinite(entries).all():
-        raise SingularError("an entry of the matrix is no number")
+        raise SingularError("an entry of the matrix is not a number")
 
 
 class Gram:

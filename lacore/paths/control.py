@@ -124,7 +124,7 @@ class PointTravel(Compact):
         if body is None:
             known = ", ".join(sorted(problem.bodies))
             raise InputError(
-                "PointTravel.body", self.body, "no body that deforms", f"give one of {known}"
+                "PointTravel.body", self.body, "no deformable body", f"give one of {known}"
             )
         if not (is_plane_vector(self.direction) and np.any(self.direction)):
             raise InputError(

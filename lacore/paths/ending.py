@@ -10,7 +10,7 @@ from lacore.reporting.kinds import Kind
 class Ending(Enum):
     """Each text says what to do."""
 
-    REACHED = "the travel asked for is reached"
+    REACHED = "the requested travel is reached"
     DRIFTED = (
         "the travel is reached, but the shape may have drifted, because the velocity became one of"
         " many before this was detected, or no regular one was found: see the events, and select"
@@ -21,7 +21,7 @@ class Ending(Enum):
         "the next step would turn an element inside out: start from elements that are drawn out"
         " across the flow, mesh anew from the last configuration, or take smaller steps"
     )
-    OVERLAP = "the next configuration is no mesh: mesh anew, or take smaller steps"
+    OVERLAP = "the next configuration is not a valid mesh: remesh, or take smaller steps"
     PENETRATION = (
         "contact acts along edges that face each other, and a corner has none: give the corner a"
         " short edge of its own that faces the other body, or take smaller steps"
@@ -49,7 +49,7 @@ class Ending(Enum):
     NOT_REMESHED = "the new meshes cannot be taken"
     STOPPED = "the finished steps are kept"
     RUNNING = "the path has not ended yet: this is what hooks see of it"
-    STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
+    STEP_TOO_SMALL = "the requested accuracy needs steps below the smallest allowed"
 
     @property
     def label(self) -> str:

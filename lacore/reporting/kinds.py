@@ -154,8 +154,8 @@ class Kind(Enum):
         " tolerance, or fix the mesh"
     )
     FLOW_NOT_POSSIBLE = (
-        "soil dilates too little for its friction, {regions} of the largest strain rate: what holds"
-        " it leaves hardly any room; move supports farther away, refine the mesh, or take"
+        "soil dilates too little for its friction, {regions} of the largest strain rate: its"
+        " supports hardly let it move; move supports farther away, refine the mesh, or take"
         " 'p2-vertex', whose velocities do not jump"
     )
     REGION_BEYOND = "{where!r} by {size:.1e}"
@@ -189,7 +189,7 @@ class Kind(Enum):
     LOAD_FACTOR = "the load factor is {load_factor:.3g}"
     SPEED = "the speed of the control is {speed:.3g}"
     STEP_ERROR = "the error of the step is {error:.3g}"
-    OTHER_SHAPES = "another scheme, or other steps, meet other shapes on the way, and may go on"
+    OTHER_SHAPES = "another scheme, or other steps, meet other shapes on the way, and may continue"
     STRAIN_TOO_LARGE = "a point would strain by more than a step allows: take smaller steps"
     REFUSED = "{error}"
     REMESHING_FAILED = "remesh fails: {error}"

@@ -16,7 +16,7 @@ State = TypeVar("State")
 class Status(Enum):
     """Outcome of one inner solve, or of the whole coupled problem (T13)."""
 
-    SOLVED = "solved to the tolerances asked for"
+    SOLVED = "solved within the requested tolerances"
     ALMOST_SOLVED = "solved to reduced tolerances only: judge it by the recomputed residuals"
     STALLED = (
         "the solver stopped making progress: coarsen the scaling of the mesh, loosen the"

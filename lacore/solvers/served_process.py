@@ -89,7 +89,7 @@ class ServedProcess:
         if source in self._lost:  # A warm-up that hangs costs its time only once.
             raise self._lost[source]
         if self._source == source and self._process.running and self._was_busy():
-            self.replace_for("it computed while nothing was asked of it")
+            self.replace_for("it computed without a request")
         if self._source != source or not self._process.running:
             self.open(source)
         if source in self._to_warm_up and not self._warm:

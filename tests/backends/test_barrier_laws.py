@@ -35,7 +35,7 @@ def test_rates_are_shared_and_the_gap_is_known(make, seed, contact, mu):
     for own in laws_of(make(seed), contact):
         law, found = own.law, own.at(velocity, mu)
         assert found.sound
-        left = law.rates(velocity) + law.besides - found.stress * law.compliance
+        left = law.rates(velocity) + law.prescribed - found.stress * law.compliance
         gap = 0.0
         for cones, z in zip(law.cones, found.multipliers, strict=True):
             left = left - cones.rates(z)

@@ -61,7 +61,7 @@ def test_path(benchmark, one_thread):
         gap=float(path.history["gap"].max()),
         load_factor=float(path.history["load_factor"].iloc[-1]),
     )
-    assert str(path).endswith("reached: the travel asked for is reached")
+    assert str(path).endswith("reached: the requested travel is reached")
     assert len(path.history) == STEPS
 
 

@@ -138,7 +138,7 @@ def softest(stiffness: Sparse, solver: SymmetricSolver, forces: Floats) -> Float
         found = found / np.where(fastest > 0, fastest, 1.0)
         pulled = diagonal[:, None] * found
     if not np.all(np.isfinite(found)):
-        raise SingularError("a motion is no number")
+        raise SingularError("a motion is not a number")
     return found
 
 

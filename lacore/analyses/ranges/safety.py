@@ -182,7 +182,7 @@ def safety_factor(
         why = "no body deforms: what is divided is the strength of criteria, and here is none"
         fix = text(
             "give a {}; of a frame whose loads are all reference loads the load factor is that of"
-            " its strength, and {} friction at which blocks fall",
+            " its strength, and {} friction at which blocks collapse",
             terms.CONTINUUM,
             Term("`lacore.critical` finds", "--critical finds, along a number that varies, the"),
         )

@@ -125,7 +125,7 @@ class Envelope(Result):
         told = {"status": self.message, "rigor": self.rigor}
         if self.bounded:
             told["width"] = (
-                f"{self.bound_width:.2%} between bounds along the directions asked,"
+                f"{self.bound_width:.2%} between bounds along the requested directions,"
                 f" {self.polyhedral_width:.2%} by corners between directions"
             )
         spans = zip(self.names, self.inner.T, strict=True)

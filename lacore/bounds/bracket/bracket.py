@@ -47,11 +47,11 @@ class Ending(Enum):
         " associated friction"
     )
     ZERO = (
-        "the load factor is zero as far as can be told: both bounds are, per strength over load,"
+        "the load factor is zero within the accuracy: both bounds are, per strength over load,"
         " within a thousandth of the target width, and a width per load factor never closes there"
     )
     NO_BOUND = "not reached: a bound could not be proven"
-    CROSSED = "the bounds cross, so that one of them is no bound: report it"
+    CROSSED = "the bounds cross, so that one of them is wrong: report it"
 
     @property
     def label(self) -> str:

@@ -75,7 +75,7 @@ def continua(problem: Problem) -> dict[str, Body]:
             raise InputError(
                 f"Problem.bodies[{name!r}].kinematics",
                 body.kinematics,
-                "nothing is a strict bound of a body of revolution",
+                "there are no strict bounds of axisymmetric bodies",
                 text("take {}, whose value converges under refinement", terms.SOLVE),
             )
     return deforming

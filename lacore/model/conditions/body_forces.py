@@ -54,8 +54,8 @@ class BodyForce(Compact):
         given = self.vector
         if not isinstance(given, Sequence | np.ndarray) or len(given) not in (2, 3):
             fix = (
-                "give two components, in space three, each a number in N/m^3 or a function of"
-                " coordinates"
+                "give two components, in three dimensions three, each a number in N/m^3 or a"
+                " function of coordinates"
             )
             raise InputError("BodyForce.vector", given, "not a vector", fix)
         own = tuple(_taken(f"BodyForce.vector[{axis}]", one) for axis, one in enumerate(given))

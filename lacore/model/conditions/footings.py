@@ -22,7 +22,7 @@ TURNS = ("x", "y", "z", "xy", "xz", "yz", "xyz")
 def check_vector(field: str, vector: Sequence[float], unit: str) -> None:
     """Raise `InputError` where a value is no vector of the plane or of space."""
     if not is_vector(vector):
-        fix = f"give two finite numbers in {unit}, in space three"
+        fix = f"give two finite numbers in {unit}, in three dimensions three"
         raise InputError(field, vector, "not a vector", fix)
     require_range(field, vector)
 
@@ -139,7 +139,7 @@ class RigidFooting(Footing):
                 raise InputError(
                     "RigidFooting.through",
                     self.through,
-                    "of another space than direction: footings turn in space only",
+                    "of another space than direction: footings turn in three dimensions only",
                     text(
                         "give three numbers each; in the plane bond a {} to the body ({}) and load"
                         " that",

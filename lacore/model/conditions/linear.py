@@ -38,7 +38,7 @@ class Linear(Compact):
     def __post_init__(self) -> None:
         if not is_number(self.value):
             raise InputError("Linear.value", self.value, "not a number", "give a finite number")
-        fix = "give two finite numbers, in space three"
+        fix = "give two finite numbers, in three dimensions three"
         if not is_vector(self.gradient):
             raise InputError("Linear.gradient", self.gradient, "not a vector", fix)
         if isinstance(self.at, tuple) and not self.at:

@@ -217,7 +217,7 @@ class PointForce(Compact):
     def __post_init__(self) -> None:
         check_vector("PointForce.vector", self.vector, "N/m")
         if not (isinstance(self.at, str) or is_vector(self.at)):
-            fix = "give (x, y), in space (x, y, z), or a name"
+            fix = "give (x, y), in three dimensions (x, y, z), or a name"
             raise InputError("PointForce.at", self.at, "not a point", fix)
         if not isinstance(self.at, str):
             require_place("PointForce.at", self.at)

@@ -169,7 +169,7 @@ def _said(extent: float | tuple[float, float]) -> Quantity:
 def _require_plane(field: str, places: Floats) -> None:
     """Raise `InputError` for three-dimensional places, where these shapes differ."""
     if len(places) != 2:
-        why = "says places of the plane, and the body is one in space"
+        why = "states places in the plane, and the body is three-dimensional"
         fix = "give a function of coordinates (3, n): lambda x: x[2] == 0"
         raise InputError(field, None, why, fix)
 

@@ -124,7 +124,7 @@ class RigidObstacle(Compact):
                     (self.point, self.normal),
                     "not two vectors of one space",
                     text(
-                        "give {}, in space three numbers each",
+                        "give {}, in three dimensions three numbers each",
                         Term("point=(x, y), normal=(nx, ny)", "point = [x, y], normal = [nx, ny]"),
                     ),
                 )

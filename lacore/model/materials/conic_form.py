@@ -215,8 +215,7 @@ class ConicForm(Compact):
             raise InputError(
                 "Body.space",
                 None,
-                "flow is not associated, and velocities that jump have a strength of their own"
-                " beside it (T62): two laws",
+                "flow is not associated, and velocities that jump have a separate strength (T62)",
                 "take 'p2-gauss', in three dimensions 'p2-vertex', or leave dilation_angle at the"
                 " friction angle",
             )

@@ -51,7 +51,8 @@ def planes_form(
         raise InputError(
             "Body.criterion",
             "planes of friction, or of the largest shear stress",
-            "in space these depend on all three principal stresses, which no cone of lacore states",
+            "in three dimensions these depend on all three principal stresses, which no cone of"
+            " lacore states",
             "take VonMises, or DruckerPrager",
         )
     cut = tension is not None or crushing is not None

@@ -71,7 +71,7 @@ def load(path: str | PathLike[str]) -> Any:
             arrays = dict(archive)
         return _made(arrays)
     except Exception as error:  # errors of zip, keys and values: the file is not one of ours
-        why = f"is no mesh that lacore has saved ({type(error).__name__} {error})"
+        why = f"is not a mesh that lacore has saved ({type(error).__name__} {error})"
         raise InputError("path", str(place), why, "write it by lacore.model.meshes.save") from error
 
 

@@ -304,7 +304,7 @@ def unaligned(mesh: MeshTri, to: tuple[float, float] = (0.7, 0.64)) -> MeshTri:
     moved: MeshTri = replace(mesh, doflocs=places)
     if np.any(_doubled_areas(moved) * _doubled_areas(mesh) <= 0):
         raise InputError(
-            "to", to, "triangles of the mesh turn over", "a place nearer to (0.5, 0.5)"
+            "to", to, "triangles of the mesh would be inverted", "a place nearer to (0.5, 0.5)"
         )
     return labelled(moved, geometry_of(mesh))
 

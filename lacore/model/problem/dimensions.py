@@ -60,8 +60,8 @@ def dimension_of(bodies: Mapping[str, Spatial]) -> int:
 def check_load_dimension(load: Load, field: str, dimension: int) -> None:
     """Raise `InputError` where a vector or a place of a load is of another space than its body."""
     if isinstance(load, Twist) and dimension == 2:
-        why = "a plate that twists turns about an axis in space, and the body is one of the plane"
-        fix = "give a body in space, or another load"
+        why = "a plate that twists turns about an axis in three dimensions, and the body is plane"
+        fix = "give a three-dimensional body, or another load"
         raise InputError(field, "Twist", why, fix)
     for name, given in _vectors(load).items():
         _require(f"{field}.{name}", given, dimension)
@@ -72,7 +72,7 @@ def check_support_dimension(support: Fix, field: str, dimension: int) -> None:
     if support.components in COMPONENTS[dimension]:
         return
     if dimension == 3 and support.components == "xy":
-        why = "in space that would leave z free"
+        why = "in three dimensions that would leave z free"
         fix = "give 'xyz' to hold all; if z is meant to be free, two supports, 'x' and 'y'"
     else:
         why = f"of {SPACES[dimension]} there is no such support"
@@ -83,7 +83,7 @@ def check_support_dimension(support: Fix, field: str, dimension: int) -> None:
 def check_interface_dimension(interface: Interface, field: str, dimension: int) -> None:
     """Raise `InputError` where an obstacle is of another space than the body that it touches."""
     if interface.bonded and dimension == 3:
-        why = "nothing in space has bonds that could break yet"
+        why = "three-dimensional bodies cannot have bonds that break yet"
         own = "make what never parts one body or polyhedron, hold it by a {}, or give a friction"
         raise InputError(f"{field}.friction", "BOND", why, text(own, terms.SUPPORT))
     obstacle = interface.obstacle

@@ -234,4 +234,4 @@ def _positive(name: str, value: object) -> None:
 def _whole(name: str, value: object, least: int, most: float = float("inf")) -> None:
     whole = isinstance(value, int) and not isinstance(value, bool)
     if not (whole and isinstance(value, int) and least <= value <= most):
-        raise WrongFieldError(name, "is no number of a step")
+        raise WrongFieldError(name, "is not the number of a step")

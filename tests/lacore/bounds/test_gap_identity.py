@@ -185,7 +185,7 @@ def test_it_sees_a_wrong_bound():
 @pytest.mark.parametrize(
     ("upper", "words"),
     [
-        (lambda: la.solve(punch(space="p2-gauss")), "no bound, so that shares"),
+        (lambda: la.solve(punch(space="p2-gauss")), "not a bound, so that shares"),
         (lambda: la.solve(punch(nx=5)), "not that of the upper bound"),
         (lambda: la.solve(deformable_block(0.3)), "Coulomb"),
         (lambda: la.solve(cantilever()), "other bodies"),

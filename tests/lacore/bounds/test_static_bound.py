@@ -314,7 +314,7 @@ def test_history_and_options():
                 ],
                 dead_loads=[la.BodyForce("wall", (0, -1))],
             ),
-            "deformable bodies only",
+            "only together with deformable bodies",
         ),
         (
             la.Problem(

@@ -309,7 +309,7 @@ def test_states_of_steps_are_those_of_their_rows(tmp_path, scheme):
     for wrong in ("2", None, True, 2.0):
         with pytest.raises(InputError, match="not the number of a step; give a whole number"):
             path.state(wrong)
-    assert str(path) == "path of 3 steps to travel 0.2, reached: the travel asked for is reached"
+    assert str(path) == "path of 3 steps to travel 0.2, reached: the requested travel is reached"
 
 
 @pytest.mark.parametrize("scheme", one_in(3, ["explicit", "leapfrog", "implicit-midpoint"]))

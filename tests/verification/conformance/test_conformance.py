@@ -314,7 +314,7 @@ WRONG = {
     "P of alpha_reg": (
         Planted(in_values(plastic=lambda values: values.alpha_reg), **REGULARISED),
         "one cone",
-        "P by hand",
+        "P recomputed",
     ),
     "multiplier": (
         Planted(in_values(multiplier=lambda values: values.plastic), **REGULARISED),
@@ -343,7 +343,7 @@ WRONG = {
     "exact passed off": (
         Planted(in_values(alpha_reg=lambda values: values.load_factor), **REGULARISED),
         "friction",
-        "alpha_reg by hand",
+        "alpha_reg recomputed",
     ),
 }
 

@@ -99,7 +99,7 @@ def exact_patch(why: str) -> Band:
     return Band(
         below=EXACT,
         above=EXACT,
-        reason=f"Exact on every mesh: {why} What is left is the solver, {EXACT:g}.",
+        reason=f"Exact on every mesh: {why} The remaining error is that of the solver, {EXACT:g}.",
     )
 
 
@@ -112,7 +112,7 @@ def rigid(dead: float) -> Band:
     return Band(
         below=SOLVER,
         above=SOLVER,
-        reason=f"Rigid bodies are exact: what is left is what the certificate lets through,"
+        reason=f"Rigid bodies are exact: the remaining error is what the certificate admits,"
         f" {SOLVER:g} of the load factor or, if larger, of the dead loads.",
         scale=dead,
     )

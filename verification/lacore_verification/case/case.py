@@ -24,7 +24,7 @@ KINDS = ("continuum", "blocks", "frames", "contact", "hardening")
 """Main tags of cases; every case of lacore has at least one, and may have others."""
 
 
-JAM = {"regularised": "only the certified loop tells jamming; the reaction loop goes on and on"}
+JAM = {"regularised": "only the certified loop tells jamming; the reaction loop does not end"}
 CLAMPED = {"regularised": "penalties let go where nothing determines the clamping forces"}
 RANGE = "range"
 """Name used as coupling in runs that search for low and high load factors (T59)."""

@@ -40,7 +40,7 @@ def reference(voussoirs: int, inner: float, outer: float, mu: float, slices: int
     """Return the reference: that of the plane arch."""
     return Reference(
         PLANE[voussoirs, inner, outer, mu],
-        "the load of the plane arch",
+        "the load of the same arch in the plane",
         "plane programs, certified to 1e-8",
         "exact, numerical",
         half_width=5e-8,
@@ -60,7 +60,7 @@ def _variant(name: str, voussoirs: int, radii: tuple[float, float], mu: float, n
 
 CASE = Case(
     id="arch-extruded",
-    title="Semicircular arch in space",
+    title="Semicircular arch in three dimensions",
     tags=("blocks", "space", "contact", "Coulomb", "masonry", "relation"),
     unit="W",
     explanation=__doc__,

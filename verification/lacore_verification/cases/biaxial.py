@@ -62,7 +62,7 @@ def reference(angle: float, lateral: float, state: str) -> Reference:
         shear = cohesive / (1 - sin(phi)) + (0.0 if state == "plate" else lateral * ratio)
         value = min(shear, CRUSHING) if state == "crushed" else shear
         text = "2 c cos(phi)/(1 - sin(phi)) + q (1 + sin(phi))/(1 - sin(phi)), f_c if that is less"
-    return Reference(value, text, "uniform stress and Mohr's circle, by hand", "exact")
+    return Reference(value, text, "uniform stress and Mohr's circle, analytically", "exact")
 
 
 def valid(angle: float, lateral: float, state: str) -> bool:
@@ -80,8 +80,8 @@ def band(elements: int, angle: float, lateral: float, state: str) -> Band:
     return Band(
         below=_PRECISE,
         above=_PRECISE,
-        reason="Exact on every mesh: strains are the same everywhere. What is left is the solver,"
-        f" which is asked for 1e-8 and better: {_PRECISE:g}.",
+        reason="Exact on every mesh: strains are the same everywhere. The remaining error is that"
+        f" of the solver, which is required to reach 1e-8 or better: {_PRECISE:g}.",
     )
 
 

@@ -128,7 +128,7 @@ def reference(mu: float, steps: int, scheme: str) -> Reference:
     return Reference(
         _STRENGTH * THICK,
         "k t, exact for zero clearance",
-        "by hand: shear between vertical lines, an upper bound; exact without clearance",
+        "analytical: shear between vertical lines, an upper bound; exact without clearance",
         "exact",
     )
 

@@ -35,7 +35,7 @@ def reference(mu: float, b: float, h: float, psi: float) -> Reference:
     value = min(mu, b / h / max(abs(cos(psi)), abs(sin(psi))))
     formula = "min(mu, (b/h)/max(|cos psi|, |sin psi|))"
     # Dilatant friction moves blocks up, against their weight: that costs as much as it slips.
-    return Reference(value, formula, "moments by hand", "exact", associated=value)
+    return Reference(value, formula, "moments, analytically", "exact", associated=value)
 
 
 def band(elements: int, mu: float, b: float, h: float, psi: float) -> Band:

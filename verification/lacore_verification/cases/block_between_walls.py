@@ -39,7 +39,9 @@ def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
 
 def reference(mu: float, W: float, b: float, h: float) -> Reference:
     """Return the reference: any clamping force."""
-    return Reference(W, "W and more", "equilibrium, by hand", "interval", up_to=inf, associated=inf)
+    return Reference(
+        W, "W and more", "equilibrium, analytically", "interval", up_to=inf, associated=inf
+    )
 
 
 def band(elements: int, mu: float, W: float, b: float, h: float) -> Band:

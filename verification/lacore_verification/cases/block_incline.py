@@ -64,7 +64,7 @@ def reference(mu: float, beta: float, W: float, b: float, h: float, down: bool) 
     """Return the reference: sliding."""
     value = W * (mu * cos(beta) - sin(beta) if down else mu * cos(beta) + sin(beta))
     formula = f"W (mu cos b {'-' if down else '+'} sin b)"
-    return Reference(value, formula, "equilibrium, by hand", "exact", associated=value)
+    return Reference(value, formula, "equilibrium, analytically", "exact", associated=value)
 
 
 def valid(mu: float, beta: float, W: float, b: float, h: float, down: bool) -> bool:

@@ -30,7 +30,7 @@ def build(mu: float, beta: float, W: float, b: float, h: float) -> "la.Problem":
 def reference(mu: float, beta: float, W: float, b: float, h: float) -> Reference:
     """Return the reference: sliding, or jamming."""
     lean = beta + atan(mu)
-    formula, source = "W tan(b + phi), jam if b + phi >= 90 degrees", "equilibrium, by hand"
+    formula, source = "W tan(b + phi), jam if b + phi >= 90 degrees", "equilibrium, analytically"
     if lean >= pi / 2:
         return Reference(inf, formula, source, "status", status=la.Status.JAM, associated=inf)
     return Reference(W * tan(lean), formula, source, "exact", associated=W * tan(lean))

@@ -39,7 +39,7 @@ def build(mu: float, beta: float, W: float, H: float, b: float, h: float) -> "la
 
 def reference(mu: float, beta: float, W: float, H: float, b: float, h: float) -> Reference:
     """Return the reference: the load below which it slides, or none."""
-    formula, source = "H/tan(phi - b) - W; none if H > 0 and phi < b", "equilibrium, by hand"
+    formula, source = "H/tan(phi - b) - W; none if H > 0 and phi < b", "equilibrium, analytically"
     holds = tan(beta) < mu
     if H > 0 and not holds:
         return Reference(-inf, formula, source, "status", status=la.Status.UNSAFE)

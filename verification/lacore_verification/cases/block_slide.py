@@ -37,7 +37,7 @@ def reference(mu: float, W: float, b: float, h: float, y: float) -> Reference:
     """Return the reference: the smaller of sliding and toppling."""
     value = min(mu * W, W * b / (2 * y))
     return Reference(
-        value, "min(mu W, W b/(2 y))", "equilibrium, by hand", "exact", associated=value
+        value, "min(mu W, W b/(2 y))", "equilibrium, analytically", "exact", associated=value
     )
 
 

@@ -39,7 +39,7 @@ def build(mu: float, W: float, b: float, h: float) -> "la.Problem":
 def reference(mu: float, W: float, b: float, h: float) -> Reference:
     """Return the reference: the smaller of sliding and toppling."""
     value = min(mu, b / h)
-    return Reference(value, "min(mu, b/h)", "equilibrium, by hand", "exact", associated=value)
+    return Reference(value, "min(mu, b/h)", "equilibrium, analytically", "exact", associated=value)
 
 
 def band(elements: int, mu: float, W: float, b: float, h: float) -> Band:

@@ -108,7 +108,7 @@ stiff ground, k = 2:   as over a rough rigid base, B/H = 2:
                        5.27 k, next to Prandtl
 soft ground, k = 1/2:  Prandtl there, 5.14/2 k, and two vertical
                        planes through the layer, 2 H/B k: 3.57 k;
-                       the layer beside has to bend up, too: 3.7 k
+                       the adjacent layer has to bend up, too: 3.7 k
 """,
     meshes={
         "coarse": {"nx": 5, "ny": 2, "ratio": 3.0},

@@ -91,7 +91,7 @@ def reference(angle: float, steps: int, scheme: str) -> Reference:
         pressure(INNER + last_load(TRAVEL, steps, scheme), angle),
         "c cot(phi) ((b/a)^(2 sin(phi)/(1 + sin(phi))) - 1), r^n - R^n = a^n - 1,"
         " n = 2/(1 + sin(phi))",
-        "equilibrium, yield and flow rule integrated along the radius, by hand (T33)",
+        "equilibrium, yield and flow rule integrated along the radius, analytically (T33)",
         "exact",
     )
 

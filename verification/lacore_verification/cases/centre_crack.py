@@ -74,13 +74,13 @@ def reference(kinematics: str) -> Reference:
         return Reference(
             sqrt(3) * (1 - CRACK),
             "s0 (1 - a) = sqrt3 k (1 - a)",
-            "by hand: a strip of stress beside the crack, and a straight neck",
+            "analytical: a strip of stress next to the crack, and a straight neck",
             "exact",
         )
     return Reference(
         2 * (1 - CRACK),
         "2 k (1 - a)",
-        "by hand: a strip of stress beside the crack, and a straight cut",
+        "analytical: a strip of stress next to the crack, and a straight cut",
         "exact",
     )
 
@@ -127,7 +127,7 @@ CASE = Case(
     unit="mean traction / k",
     explanation=__doc__,
     hand_calculation="""\
-from below:  sigma_y = 2 k beside the crack, 0 above and below
+from below:  sigma_y = 2 k next to the crack, 0 above and below
              it; rigid grips at the ends put up with this
              force F = 2 (2 k) (1 - a) over a width of 2
 from above:  ends part at rate 2 v; four cuts of length

@@ -99,7 +99,7 @@ CASE = Case(
     hand_calculation="""\
 strip:      (2 + pi) c = 5.142 c, N_c = 14.835 at 20 degrees
 circle:     hoop stress equal to the larger of the other two,
-            slip lines in (r, z) with it, integrated numerically:
+            slip lines in meridian planes, integrated numerically:
             smooth   5.689 c    (Shield 1955)
             rough    6.048 c    (Eason & Shield 1960)
             smooth  20.1 c      at 20 degrees (Cox et al. 1961)

@@ -33,7 +33,7 @@ def build(n: int, space: str) -> "la.Problem":
 
 def reference(space: str) -> Reference:
     """Return the reference: uniaxial compression: J2 = sigma^2/3 = k^2."""
-    return Reference(sqrt(3), "sqrt(3) k", "yield criterion, by hand", "exact")
+    return Reference(sqrt(3), "sqrt(3) k", "yield criterion, analytically", "exact")
 
 
 def band(elements: int, space: str) -> Band:
@@ -43,7 +43,7 @@ def band(elements: int, space: str) -> Band:
 
 CASE = Case(
     id="compression-free",
-    title="Block between smooth platens, in space",
+    title="Block between smooth platens in three dimensions",
     tags=("continuum", "space", "upper bound", "closed form"),
     unit="mean pressure / k",
     explanation=__doc__,

@@ -110,7 +110,7 @@ def reference(mu: float) -> Reference:
     return Reference(
         least_friction(mu, PRESSURE) * LENGTH / HEIGHT,
         "from (p b/h)/(1/mu + 2 atan(mu)) to min(mu p b/h, p + 2 k)",
-        "by hand: limits of rigid sliding with shear zones along the floor; the wedge mechanism",
+        "analytical: limits of rigid sliding with shear zones along the floor; the wedge mechanism",
         "interval of one mechanism",
         up_to=high,
         associated=high,

@@ -55,14 +55,15 @@ def reference(mu: float) -> Reference:
     Exact without friction; else between what no friction and what even spreading need.
     """
     if mu == 0:
-        return Reference(1.0, "s0", "by hand: uniform stress, even spreading", "exact")
+        return Reference(1.0, "s0", "analytical: uniform stress, even spreading", "exact")
     lever = mu * RADIUS / HEIGHT
     upper = min(_STICKING, 1 / (1 - lever)) if lever < 1 else _STICKING
     return Reference(
         (1 + upper) / 2,
         "s0 <= alpha <= s0 min(1/(1 - mu R/h), 1 + 2 R/(3 sqrt3 h))",
-        "by hand: no friction from below; even spreading from above, with the friction of whatever"
-        " pressure there is; refinement tends to 1.0328, 1.0641, 1.1187 for mu = 0.05, 0.1, 0.2",
+        "analytical: no friction from below; even spreading from above, with the friction of"
+        " whatever pressure there is; refinement tends to 1.0328, 1.0641, 1.1187 for mu = 0.05,"
+        " 0.1, 0.2",
         "bracket",
         half_width=(upper - 1) / 2,
     )

@@ -137,7 +137,7 @@ def reference(
         side * ratio,
         "cos(d) (cos(d) +- sqrt(sin(phi)^2 - sin(d)^2))/(1 -+ sin(phi)) exp(+-(D +- d) tan(phi)),"
         " D = asin(sin(d)/sin(phi))",
-        "Prandtl's field beside a wall, after Sokolovskii",
+        "Prandtl's field next to a wall, after Sokolovskii",
         "exact",
     )
 

@@ -106,7 +106,7 @@ def band(elements: int, angle: float, dilation: float) -> Band:
 
 CASE = Case(
     id="footing-nonassociated",
-    title="Strip footing on soil that dilates less than its friction",
+    title="Strip footing on soil with non-associated flow",
     tags=("continuum", "soil", "not associated", "certified", "singular point"),
     unit="mean footing pressure / c",
     explanation=__doc__,

@@ -31,7 +31,7 @@ def reference(mu: float, Mp: float, h: float, L: float) -> Reference:
     return Reference(
         value,
         "4 Mp/(L - 2 mu h) if mu h <= L/4, else 8 Mp/L",
-        "equilibrium, by hand",
+        "equilibrium, analytically",
         "exact",
         associated=value,
     )

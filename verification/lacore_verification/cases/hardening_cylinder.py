@@ -66,7 +66,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
     return Reference(
         pressure(cylinder(LAWS[law], INNER, OUTER), INNER + at),
         "p = (2/sqrt3) int_a^b sigma_Y dr/r, eb = (2/sqrt3) ln(r/R)",
-        "Hill, The Mathematical Theory of Plasticity; by hand (T33)",
+        "Hill, The Mathematical Theory of Plasticity; analytically (T33)",
         "exact",
     )
 

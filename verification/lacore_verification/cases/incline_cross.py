@@ -45,7 +45,7 @@ def reference(mu: float, beta: float) -> Reference:
     """Return the reference: a right triangle of forces."""
     value = sqrt((mu * cos(beta)) ** 2 - sin(beta) ** 2)
     formula = "W sqrt(mu^2 cos^2(beta) - sin^2(beta))"
-    return Reference(value, formula, "equilibrium, by hand", "exact", associated=value)
+    return Reference(value, formula, "equilibrium, analytically", "exact", associated=value)
 
 
 def valid(mu: float, beta: float) -> bool:

@@ -114,7 +114,7 @@ def reference(law: str, theta: float, q: float, slave: str, steps: int, scheme: 
     return Reference(
         force(law, theta, q, last_load(TRAVEL, steps, scheme)),
         "w min(q + 2 k, q tan t/tan(t - phi))",
-        "equilibrium, by hand: uniform stress, or two rigid bodies",
+        "equilibrium, analytically: uniform stress, or two rigid bodies",
         "exact",
     )
 
@@ -126,8 +126,8 @@ def band(
     return Band(
         _ALLOWED,
         _ALLOWED,
-        "Exact for any step of the implicit midpoint (T30), and for any element: what is left are"
-        " certificates to 1e-6 of each step.",
+        "Exact for any step of the implicit midpoint (T30), and for any element: the"
+        " certificates of each step allow errors of 1e-6.",
     )
 
 

@@ -77,7 +77,7 @@ def build(n: int, height: float, guided: bool, crushing: bool) -> "la.Problem":
 
 def reference(height: float, guided: bool, crushing: bool) -> Reference:
     """Return the reference: a strut from below, a crack or a rocking block from above."""
-    by_hand = "a strut from below, a mechanism from above; by hand"
+    by_hand = "a strut from below, a mechanism from above; analytically"
     if guided:
         return Reference(
             (hypot(1, height) - height) / 2,

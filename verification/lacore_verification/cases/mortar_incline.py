@@ -55,7 +55,7 @@ def reference(
     else:
         value = adhesion * b + W * (mu * cos(beta) + sin(beta))
         formula = "c_a b + W (mu cos b + sin b)"
-    return Reference(value, formula, "equilibrium, by hand", "exact", associated=value)
+    return Reference(value, formula, "equilibrium, analytically", "exact", associated=value)
 
 
 def valid(

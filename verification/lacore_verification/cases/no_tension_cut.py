@@ -59,7 +59,7 @@ def reference(angle: float, ratio: float = 0.0) -> Reference:
     return Reference(
         2 * tan(pi / 4 + radians(angle) / 2),
         "2 tan(45 + phi/2)",
-        "Drucker 1953, Chen 1975; by hand",
+        "Drucker 1953, Chen 1975; analytically",
         "exact",
     )
 

@@ -56,7 +56,7 @@ def build(nx: int, ny: int, ratio: float, h: float) -> "la.Problem":
 def reference(h: float) -> Reference:
     """Return the reference: straight cuts, or the slip-line net."""
     if h <= 1:
-        return Reference(_NETS[1.0], "2 k", "by hand: uniform stress and straight cuts", "exact")
+        return Reference(_NETS[1.0], "2 k", "analytical: uniform stress and straight cuts", "exact")
     return Reference(
         _NETS[h],
         "slip-line net between opposed punches",

@@ -124,7 +124,7 @@ ligaments:   sigma_x = s0 for |y| > r, nothing in between: rigid
              grips at the ends put up with it
              alpha = s0 (1 - r) = 0.8 s0
              whether uniform traction may reach the same is not
-             said by this: the bounds do, to 0.1 %
+             shown by this, but by the bounds, to 0.1 %
 """,
     meshes=_MESHES,
     build=build,

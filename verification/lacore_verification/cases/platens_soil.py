@@ -80,7 +80,7 @@ def beside(dilation: float) -> tuple[Beside, ...]:
     return (
         Beside("Davis's strength, at least", _DAVIS[dilation], proven),
         Beside("associated flow, at least", low, source),
-        Beside("associated flow, at most", high, "upper bound beside it; above all (T54)"),
+        Beside("associated flow, at most", high, "an upper bound of all load factors (T54)"),
     )
 
 

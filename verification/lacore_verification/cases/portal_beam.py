@@ -41,7 +41,7 @@ def reference(mu: float, P: float, Mp: float, h: float, L: float) -> Reference:
     return Reference(
         value,
         "min(8 Mp/L, 4 (Mp + mu h P)/(L - 2 mu h))",
-        "equilibrium, by hand; a case of Bousshine, Chaaba & de Saxce 2002",
+        "equilibrium, analytically; a case of Bousshine, Chaaba & de Saxce 2002",
         "exact",
         associated=value,
     )

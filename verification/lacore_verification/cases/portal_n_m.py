@@ -43,7 +43,9 @@ def valid(P: float, Np: float, Mp: float, h: float, L: float) -> bool:
 def reference(P: float, Np: float, Mp: float, h: float, L: float) -> Reference:
     """Return the reference: sway."""
     value = 4 * Mp * (1 - P / Np) / h
-    return Reference(value, "4 Mp (1 - P/Np)/h", "equilibrium, by hand", "exact", associated=value)
+    return Reference(
+        value, "4 Mp (1 - P/Np)/h", "equilibrium, analytically", "exact", associated=value
+    )
 
 
 def band(elements: int, P: float, Np: float, Mp: float, h: float, L: float) -> Band:

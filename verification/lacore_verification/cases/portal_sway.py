@@ -48,7 +48,7 @@ def reference(mu: float, P: float, Mp: float, h: float, L: float) -> Reference:
     return Reference(
         value,
         "min(2 Mp/h, 2 mu P, (mu P + Mp/h)/(1 + mu h/L), P L/h)",
-        "equilibrium, by hand; a case of Bousshine, Chaaba & de Saxce 2002",
+        "equilibrium, analytically; a case of Bousshine, Chaaba & de Saxce 2002",
         "exact",
         associated=value,
     )

@@ -58,7 +58,7 @@ def reference(mu1: float, mu2: float, mu_w: float, W1: float, W2: float) -> Refe
     The interval that the stop's friction opens; its upper end is the associated load.
     """
     low, high = (mu2 * N + mu1 * (W1 + N) for N in pressures(mu2, mu_w, W2))
-    source = "equilibrium, by hand; ends confirmed by mixed-integer programming"
+    source = "equilibrium, analytically; ends confirmed by mixed-integer programming"
     if mu_w > 0:
         formula = "mu2 N + mu1 (W1 + N), N = W2/(1 -+ mu2 mu_w)"
         return Reference(low, formula, source, "interval", up_to=high, associated=high)

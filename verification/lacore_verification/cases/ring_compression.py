@@ -78,7 +78,7 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
         return Reference(
             _stress(law, last_load(TRAVEL, steps, scheme)),
             "sigma_Y(ln(H/h))",
-            "by hand: uniform compression",
+            "analytical: uniform compression",
             "exact",
         )
     return Reference(

@@ -58,7 +58,7 @@ def reference(mu: float, p0: float) -> Reference:
     return Reference(
         min(least_friction(mu, p0), high),
         "from p0/(1/mu + 2 atan(mu)) to min(mu p0, sqrt(k^2 - p0^2/4))",
-        "by hand: limits of rigid sliding with shear zones along the floor; uniform stress and"
+        "analytical: limits of rigid sliding with shear zones along the floor; uniform stress and"
         " Mohr's circle",
         "interval of one mechanism",
         up_to=high,

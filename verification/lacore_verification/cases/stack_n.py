@@ -48,7 +48,11 @@ def reference(n: int, mu_1: float, mu_n: float, b: float, h: float) -> Reference
     """Return the reference: the smallest resistance of all joints."""
     value = min(min(_frictions(n, mu_1, mu_n)), b / (n * h))
     return Reference(
-        value, "min(mu_i, b/(n h)) over joints i", "equilibrium, by hand", "exact", associated=value
+        value,
+        "min(mu_i, b/(n h)) over joints i",
+        "equilibrium, analytically",
+        "exact",
+        associated=value,
     )
 
 

@@ -42,7 +42,7 @@ def reference(
     both = mu1 * (W1 + W2)
     value = both if lower else min(mu2 * W2, both)
     formula = "mu1 (W1 + W2)" if lower else "min(mu2 W2, mu1 (W1 + W2))"
-    return Reference(value, formula, "equilibrium, by hand", "exact", associated=value)
+    return Reference(value, formula, "equilibrium, analytically", "exact", associated=value)
 
 
 def valid(mu1: float, mu2: float, W1: float, W2: float, b: float, h: float, lower: bool) -> bool:

@@ -83,7 +83,7 @@ def reference(law: str, mu: float, slave: str, steps: int, scheme: str) -> Refer
     return Reference(
         strip_force(LAWS[law], 1 - at / HEIGHT, WIDTH),
         "(2/sqrt3) sigma_Y((2/sqrt3) ln(H/h)) W H/h",
-        "by hand: uniform compression in plane strain",
+        "analytical: uniform compression in plane strain",
         "exact",
     )
 
@@ -93,8 +93,8 @@ def band(elements: int, law: str, mu: float, slave: str, steps: int, scheme: str
     return Band(
         _ALLOWED,
         _ALLOWED,
-        "Exact for any step of the implicit midpoint (T30), and for any element: what is left are"
-        " certificates to 1e-6 of each step.",
+        "Exact for any step of the implicit midpoint (T30), and for any element: the"
+        " certificates of each step allow errors of 1e-6.",
     )
 
 

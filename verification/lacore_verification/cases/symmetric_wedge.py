@@ -71,7 +71,7 @@ def reference(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Refer
     """Return the reference: blocks slide apart; jamming; or, of a plug, an interval."""
     phi, phi_f = atan(mu), atan(mu_f)
     formula = "2 Wb sin(phi_f) sin(b + phi)/cos(b + phi + phi_f) - W"
-    source = "equilibrium, by hand; confirmed by mixed-integer programming"
+    source = "equilibrium, analytically; confirmed by mixed-integer programming"
     if beta + phi + phi_f >= pi / 2:
         return Reference(inf, formula, source, "status", status=la.Status.JAM, associated=inf)
     value = 2 * Wb * sin(phi_f) * sin(beta + phi) / cos(beta + phi + phi_f) - W

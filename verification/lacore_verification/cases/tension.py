@@ -82,7 +82,7 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
     return Reference(
         strip_force(LAWS[law], length, HEIGHT),
         "(2/sqrt3) sigma_Y((2/sqrt3) ln(l/L)) H L/l",
-        "by hand: uniform stretching in plane strain",
+        "analytical: uniform stretching in plane strain",
         "exact",
     )
 
@@ -90,7 +90,11 @@ def reference(law: str, steps: int, scheme: str) -> Reference:
 def band(elements: int, law: str, steps: int, scheme: str) -> Band:
     """Return the band: of the steps; uniform stretching lies in the space of every mesh."""
     if scheme == "implicit-midpoint":
-        return Band(_ROUND_OFF, _ROUND_OFF, "Exact for any step (T30): what is left is the solver.")
+        return Band(
+            _ROUND_OFF,
+            _ROUND_OFF,
+            "Exact for any step (T30): the remaining error is that of the solver.",
+        )
     allowed = 1.3 * _STEPS / steps**2 + SOLVER
     return Band(
         allowed,

@@ -47,7 +47,7 @@ def reference() -> Reference:
     return Reference(
         2 / sqrt(3) * log(OUTER / INNER),
         "(2/sqrt3) s0 ln(b/a)",
-        "Hill, The Mathematical Theory of Plasticity; by hand",
+        "Hill, The Mathematical Theory of Plasticity; analytically",
         "exact",
     )
 

@@ -34,7 +34,7 @@ def reference(mu: float, b: float, h: float, depth: float) -> Reference:
     """Return the reference: moments about the centre of pressure."""
     value = (b - depth) / h
     # Dilatant friction costs nothing where nothing slips.
-    return Reference(value, "(b - W/(f b))/h", "moments by hand", "exact", associated=value)
+    return Reference(value, "(b - W/(f b))/h", "moments, analytically", "exact", associated=value)
 
 
 def band(elements: int, mu: float, b: float, h: float, depth: float) -> Band:

@@ -46,7 +46,9 @@ def build(mu: float, b: float) -> "la.Problem":
 def reference(mu: float, b: float) -> Reference:
     """Return the reference: all weight at the corners."""
     value = mu * b / sqrt(2)
-    return Reference(value, "mu W b/sqrt(2)", "equilibrium, by hand", "exact", associated=value)
+    return Reference(
+        value, "mu W b/sqrt(2)", "equilibrium, analytically", "exact", associated=value
+    )
 
 
 def band(elements: int, mu: float, b: float) -> Band:

@@ -44,7 +44,10 @@ def of_polygon(sides: float) -> float:
 def reference() -> Reference:
     """Return the reference: twice the volume of a cone of slope k."""
     return Reference(
-        2 * pi / 3, "2 pi k R^3/3", "Nadai, Theory of Flow and Fracture of Solids; by hand", "exact"
+        2 * pi / 3,
+        "2 pi k R^3/3",
+        "Nadai, Theory of Flow and Fracture of Solids; analytically",
+        "exact",
     )
 
 
@@ -59,8 +62,8 @@ def band(elements: int) -> Band:
         below=below + EXACT,
         above=EXACT,
         reason=f"A polygon of {sides} sides within the circle: its own heap of sand has"
-        f" {100 * below:.3g} % less volume, and is found exactly. What is left is the solver,"
-        f" {EXACT:g}.",
+        f" {100 * below:.3g} % less volume, and is found exactly. The remaining error is that of"
+        f" the solver, {EXACT:g}.",
     )
 
 

@@ -44,14 +44,17 @@ def build(n: int, ridges: bool) -> "la.Problem":
 def reference(ridges: bool) -> Reference:
     """Return the reference: twice the volume of the heap of sand, of slope k."""
     return Reference(
-        SIDE**3 / 3, "k a^3/3", "Nadai, Theory of Flow and Fracture of Solids; by hand", "exact"
+        SIDE**3 / 3,
+        "k a^3/3",
+        "Nadai, Theory of Flow and Fracture of Solids; analytically",
+        "exact",
     )
 
 
 def band(elements: int, ridges: bool) -> Band:
     """Return the band: strict; of second order where elements lie across the ridges."""
     if ridges:
-        return exact_patch("warping is quadratic beside the ridges, which are faces of the mesh.")
+        return exact_patch("warping is quadratic next to the ridges, which are faces of the mesh.")
     return _ACROSS.strict(elements)
 
 

@@ -89,7 +89,7 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
         return Reference(
             _force(law, last_load(_TRAVEL, steps, scheme)),
             "(2/sqrt3) sigma_Y((2/sqrt3) ln(H/h)) W H/h",
-            "by hand: uniform compression in plane strain",
+            "analytical: uniform compression in plane strain",
             "exact",
         )
     return Reference(
@@ -104,7 +104,11 @@ def reference(mu: float, law: str, steps: int, scheme: str) -> Reference:
 def band(elements: int, mu: float, law: str, steps: int, scheme: str) -> Band:
     """Return the band: exact without friction; not used with friction."""
     if mu == 0:
-        return Band(_ROUND_OFF, _ROUND_OFF, "Exact for any step (T30): what is left is the solver.")
+        return Band(
+            _ROUND_OFF,
+            _ROUND_OFF,
+            "Exact for any step (T30): the remaining error is that of the solver.",
+        )
     return Band(0.0, 0.0, "The load at the end is not known.")
 
 

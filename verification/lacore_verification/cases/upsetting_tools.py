@@ -77,14 +77,16 @@ def reference(law: str, moving: str, steps: int, scheme: str) -> Reference:
     return Reference(
         _force(law, last_load(TRAVEL, steps, scheme)),
         "2 (2/sqrt3) sigma_Y((2/sqrt3) ln(H/h)) W H/h",
-        "by hand: uniform compression in plane strain",
+        "analytical: uniform compression in plane strain",
         "exact",
     )
 
 
 def band(elements: int, law: str, moving: str, steps: int, scheme: str) -> Band:
     """Return the band: exact in space and time."""
-    return Band(_ALLOWED, _ALLOWED, "Exact for any step (T30): what is left is the solver.")
+    return Band(
+        _ALLOWED, _ALLOWED, "Exact for any step (T30): the remaining error is that of the solver."
+    )
 
 
 _LEFT = 1 - _CLOSING * TRAVEL / HEIGHT

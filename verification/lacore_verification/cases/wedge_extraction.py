@@ -40,7 +40,7 @@ def reference(mu: float, mu_f: float, beta: float, W: float, Wb: float) -> Refer
     return Reference(
         W,
         "W; associated W + 2 Wb sin(phi_f) sin(phi - b)/cos(phi - b - phi_f)",
-        "equilibrium, by hand; confirmed by mixed-integer programming",
+        "equilibrium, analytically; confirmed by mixed-integer programming",
         "exact",
         associated=W + 2 * _thrust(mu, mu_f, beta, Wb)[0],
     )

@@ -27,7 +27,7 @@ def build(mu: float, beta: float, W: float, down: bool) -> "la.Problem":
 
 def reference(mu: float, beta: float, W: float, down: bool) -> Reference:
     """Return the reference: opening, or locked."""
-    source = "equilibrium, by hand; confirmed by mixed-integer programming"
+    source = "equilibrium, analytically; confirmed by mixed-integer programming"
     if down:
         return Reference(inf, "no motion", source, "status", status=la.Status.LOCKED)
     associated = inf if beta < atan(mu) else W

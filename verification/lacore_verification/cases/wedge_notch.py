@@ -152,7 +152,8 @@ def band(
         allowed,
         allowed,
         "Largest error over the second half of the path: in the middle of a step the material is"
-        " separated half a step below the tip; velocities turn over a row of triangles.",
+        " separated half a step below the tip; velocities change their direction within a row of"
+        " triangles.",
     )
 
 

@@ -64,7 +64,8 @@ def _contact() -> list[Worked]:
         ),
         Worked(
             "friction in two directions",
-            "a point in space, pushed along 0.6 t_1 + 0.8 t_2, pressed by 5: alpha = F = 1.4",
+            "a point in three dimensions, pushed along 0.6 t_1 + 0.8 t_2, pressed by 5:"
+            " alpha = F = 1.4",
             program([], solid, pushed, -W * np.array([0.36, 0.48, 0.8])),
             frozen([0.7]),
             load_factor=1.4,

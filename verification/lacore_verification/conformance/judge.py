@@ -263,9 +263,9 @@ def _by_hand(
     yield measured(worked.name, "order of T19", max(drop, 0.0) / scale, REGULARISED, text)
     if worked.softened is not None:
         softened = worked.softened(penalty)
-        text = f"lambda by hand: {softened:.9g} was expected, {load_factor:.9g} came"
+        text = f"lambda recomputed: {softened:.9g} was expected, {load_factor:.9g} came"
         error = abs(load_factor - softened) / scale
-        yield measured(worked.name, "lambda by hand", error, REGULARISED, text)
+        yield measured(worked.name, "lambda recomputed", error, REGULARISED, text)
     energy = _complementary_energy(worked, penalty)
     if not worked.isostatic:
         if energy is not None:
@@ -279,8 +279,8 @@ def _by_hand(
     yield from _point(worked, point, float(np.sqrt(REGULARISED)), velocity=False)
     if energy is not None:
         for check, found, expected in (
-            ("P by hand", plastic, exact - shifted - 2 * energy),
-            ("alpha_reg by hand", alpha_reg, exact - shifted - energy),
+            ("P recomputed", plastic, exact - shifted - 2 * energy),
+            ("alpha_reg recomputed", alpha_reg, exact - shifted - energy),
         ):
             text = f"{check}: {expected:.9g} was expected, {found:.9g} came"
             yield measured(worked.name, check, abs(found - expected) / scale, REGULARISED, text)

@@ -85,7 +85,7 @@ def _plasticity() -> list[Worked]:
         ),
         Worked(
             "empty group",
-            "'one cone' beside a group without cones",
+            "'one cone' next to a group without cones",
             program(
                 [cones(np.zeros((0, 3, 2)), [], [], np.zeros((0, 2)), name="none"), one],
                 nowhere(2),

@@ -118,7 +118,7 @@ def _hardens() -> Worked:
         velocity=[0.375, 0.5, 0.375],
         stress=([[1.125, 1.5]],),
         mean_stress=([1.875],),
-        unsoftened="beside surfaces a modulus chooses, as viscosity does already",
+        unsoftened="next to surfaces a modulus chooses, as viscosity does already",
     )
 
 

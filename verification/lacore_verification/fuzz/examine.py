@@ -140,7 +140,7 @@ class Examination:
         if other.status == la.Status.UNSAFE.label and self._base.solved:
             yield Wrong(
                 "word unsafe",
-                f"said of it made associated; it carries {self._base.load_factor:.6g}",
+                f"reported of it made associated; it carries {self._base.load_factor:.6g}",
             )
 
     def _frictionless(self) -> Iterator[Wrong]:
@@ -165,7 +165,7 @@ class Examination:
         elif kind == "smooth" and self._base.solved and other.status == la.Status.LOCKED.label:
             yield Wrong(
                 "word locked",
-                f"said of it without friction; it carries {self._base.load_factor:.6g}",
+                f"reported of it without friction; it carries {self._base.load_factor:.6g}",
             )
 
     def _copy(self) -> Iterator[Wrong]:
@@ -195,7 +195,7 @@ class Examination:
             self._scale = max(self._scale, other.scale.power)
             yield from self._between(other.load_factor, wanted, wanted, _CONIC_SOLVER)
         elif isfinite(wanted) and other.word and abs(wanted) > BAR * self._scale:
-            yield Wrong(f"word {other.status}", f"said by {_CONIC_SOLVER}: {wanted:.6g}")
+            yield Wrong(f"word {other.status}", f"reported by {_CONIC_SOLVER}: {wanted:.6g}")
 
     def _interval(self) -> Iterator[Wrong]:
         """Yield a failure if the load factor is outside the interval of its own mechanism."""
@@ -229,7 +229,7 @@ class Examination:
             return
         if base.word and other.word and base.status != other.status:
             yield Wrong("two words", f"{base.status}; {name}: {other.status}")
-        for one, two, who in ((base, other, name), (other, base, f"it is said by {name}")):
+        for one, two, who in ((base, other, name), (other, base, f"it is reported by {name}")):
             if one.word and two.solved and not self._is_nothing(one, two):
                 yield Wrong(f"word {one.status}", f"{who}: {two.load_factor:.6g}")
 
@@ -294,4 +294,4 @@ class Examination:
             self._scale = max(self._scale, other.scale.power)
             yield from self._between(self._base.load_factor, -inf, other.load_factor, "stronger")
         elif other.status == la.Status.UNSAFE.label:
-            yield Wrong("word unsafe", "said of it with all strengths half as much again")
+            yield Wrong("word unsafe", "reported of it with all strengths half as much again")

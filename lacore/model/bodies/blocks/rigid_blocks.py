@@ -176,9 +176,8 @@ class RigidBlocks(Shown):
     @property
     def contents(self) -> str:
         """Text such as ``13 rigid blocks, 22 joints``."""
-        space = " in space" if self.dimension == 3 else ""
-        blocks = counted(len(self.names), "rigid block")
-        return f"{blocks}{space}, {counted(self.joints.count, 'joint')}"
+        kind = "three-dimensional block" if self.dimension == 3 else "rigid block"
+        return f"{counted(len(self.names), kind)}, {counted(self.joints.count, 'joint')}"
 
     def facts(self) -> Facts:
         """Return the contents, for printing."""

@@ -293,7 +293,7 @@ def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> Non
             raise InputError(
                 "Body.mesh",
                 type(mesh).__name__,
-                "only straight tetrahedra are taken in space",
+                "in three dimensions only straight-edged tetrahedra are supported",
                 "give a skfem.MeshTet, such as lacore.model.meshes.box makes",
             )
         check_tetrahedra(mesh, "Body.mesh")

@@ -164,7 +164,8 @@ def _carried(load: BodyForce, body: "Body", field: str) -> None:
         raise InputError(
             field,
             load.told,
-            "varies within elements: lower bounds in space take forces that are uniform in each",
+            "varies within elements: lower bounds in three dimensions take forces that are uniform"
+            " in each",
             text(
                 "{}",
                 Term(

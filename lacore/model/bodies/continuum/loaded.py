@@ -76,7 +76,7 @@ def _check_standing(load: StandingWater, body: "Body", field: str) -> None:
 def _require_plane(body: "Body", field: str) -> None:
     if body.dimension == 3:
         raise InputError(
-            f"{field}.body", None, "no water in bodies of tetrahedra", "take a body of the plane"
+            f"{field}.body", None, "no water in bodies of tetrahedra", "take a plane body"
         )
 
 

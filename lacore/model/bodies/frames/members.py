@@ -262,7 +262,7 @@ def require_single(nodes: tuple[str, ...], members: tuple[str, ...], pieces: Pie
             tuple(members[m] for m in pieces.member[both]),
             f"members on top of each other between {nodes[pairs[both[0], 0]]!r} and"
             f" {nodes[pairs[both[0], 1]]!r}",
-            "give each member once; a member goes on through the nodes that lie on it",
+            "give each member once; a member continues through the nodes that lie on it",
         )
 
 

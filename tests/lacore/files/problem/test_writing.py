@@ -185,7 +185,7 @@ def test_what_is_no_saved_mesh_is_refused(tmp_path):
     file = tmp_path / "a.npz"
     file.write_bytes(b"PK no")
     for path, said in [
-        (file, "is no mesh"),
+        (file, "is not a mesh"),
         (tmp_path / "b.npz", "no such file"),
         ("a.msh", "npz"),
     ]:

@@ -78,7 +78,9 @@ def test_refused(where, parts):
 def test_places_of_the_plane_are_none_in_space(where):
     """A line there is no line: (x, y) on it would be a plane, and z be left out."""
     box = la.Body(la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1), la.VonMises(1.0), "3d")
-    with pytest.raises(la.InputError, match=r"supports\[0\].where = .* in space; give a function"):
+    with pytest.raises(
+        la.InputError, match=r"supports\[0\].where = .* three-dimensional; give a function"
+    ):
         la.Problem({"box": box}, [la.Pressure("box", "top")], [la.Fix("box", where)])
 
 

@@ -363,7 +363,7 @@ def test_cones_of_a_sheet_have_one_angle_of_friction_and_associated_flow():
 
 def test_criteria_of_planes_have_no_form_in_space_and_no_criterion_an_unknown_one():
     for criterion in (la.MohrCoulomb(1.0, 30.0), la.Rankine(1.0), la.MaximumShear(1.0)):
-        with pytest.raises(la.InputError, match="in space"):
+        with pytest.raises(la.InputError, match="in three dimensions"):
             criterion.conic_form(SPACE)
     for criterion in (la.VonMises(1.0), la.MohrCoulomb(1.0, 30.0), la.DruckerPrager(1.0, 30.0)):
         with pytest.raises(la.InputError, match=r"Body\.kinematics"):

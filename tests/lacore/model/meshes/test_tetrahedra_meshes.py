@@ -52,7 +52,11 @@ def test_faces_and_elements_are_named_by_their_places(tmp_path):
     [
         ({"a": lambda x: (x[0] <= 0.7) & (x[2] == 1)}, {}, "ends inside the face around"),
         ({"a": lambda x: x[2] == 3}, {}, "no face of the boundary"),
-        ({"a": la.Along((0, 0), (1, 0))}, {}, "places of the plane, and the body is one in space"),
+        (
+            {"a": la.Along((0, 0), (1, 0))},
+            {},
+            "places in the plane, and the body is three-dimensional",
+        ),
         ({"a": lambda x: x[3] > 0}, {}, "fails"),
         ({}, {"a": lambda x: x[2] <= 0.7}, r"around \(.*, .*, .*\)"),
     ],

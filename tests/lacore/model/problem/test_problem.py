@@ -63,7 +63,7 @@ def test_the_sound_one_is_taken():
         ({"dead_loads": [PUSH, 9.81]}, ("Problem.dead_loads[1] = 9.81", "not a load")),
         (
             {"reference_loads": [la.Twist("block", "top", (0, 0, 1))]},
-            ("Problem.reference_loads[0] = 'Twist'", "an axis in space", "another load"),
+            ("Problem.reference_loads[0] = 'Twist'", "an axis in three dimensions", "another load"),
         ),
         (
             {"reference_loads": [la.Traction("blok", "left", (1, 0))]},

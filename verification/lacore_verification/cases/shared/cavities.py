@@ -19,7 +19,7 @@ MESHES = {
 SPHERE = Reference(
     2 * log(OUTER / INNER),
     "2 s0 ln(b/a)",
-    "Hill, The Mathematical Theory of Plasticity; by hand",
+    "Hill, The Mathematical Theory of Plasticity; analytically",
     "exact",
 )
 """The fully plastic sphere of von Mises's material."""
@@ -67,7 +67,7 @@ def expansion(angle: float, hoops: int) -> Reference:
     return Reference(
         value,
         f"c cot(phi) ((b/a)^({2 * hoops} sin(phi)/(1 + sin(phi))) - 1)",
-        "equilibrium and yield integrated along the radius, by hand",
+        "equilibrium and yield integrated along the radius, analytically",
         "exact",
     )
 

@@ -59,7 +59,7 @@ HYPERSTATIC = {
     " loop tens of solves, of which IPOPT fails some"
 }
 HAND = """\
-by hand:     one block on one joint: alpha = min(mu, b/h), as in
+analytically:     one block on one joint: alpha = min(mu, b/h), as in
              block-topple; a wall is weaker: blocks topple in
              groups that split along a staircase of joints
 associated:  one linear program, {associated}

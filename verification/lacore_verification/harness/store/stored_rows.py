@@ -121,7 +121,7 @@ def _check_head(record: Mapping[str, Any]) -> None:
             raise WrongFieldError(name, "is no digest")
     session = record["session"]
     if not isinstance(session, int) or not 0 < session < _MOST:
-        raise WrongFieldError("session", "is no number of a session")
+        raise WrongFieldError("session", "is not the number of a session")
     try:
         finished = datetime.fromisoformat(record["finished"])
     except (TypeError, ValueError):
@@ -198,7 +198,7 @@ def _number(field: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) >= 2.0**1023:
         if value in (float("inf"), float("-inf")) and not isinstance(value, bool):
             return float(value)
-        raise WrongFieldError(field, "is no number")
+        raise WrongFieldError(field, "is not a number")
     return float(value)
 
 

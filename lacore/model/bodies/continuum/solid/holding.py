@@ -144,7 +144,7 @@ def held_faces(
             "Fix.components",
             None,
             "holds a face in a direction that is neither along nor across it: where velocities"
-            " jump in space, normal ones are unknowns of their own (T90)",
+            " jump, normal ones are separate unknowns (T90)",
             "take 'normal', 'xyz', or the space 'p2-vertex'",
         )
     size, axes = np.linalg.eigh(gram - across[:, None, None] * n[:, :, None] * n[:, None, :])
