@@ -31,7 +31,6 @@ import numpy as np
 
 import lacore as la
 from lacore.numerics.arrays import Floats
-from lacore.paths.ending import Ending
 from lacore_verification.case import SOLVER, Band, Case, Reference, Variant
 from lacore_verification.case.following import Following, Reading, last_load
 from lacore_verification.cases.shared.wedge_fans import Fan
@@ -73,9 +72,9 @@ def path(half_angle: float, friction: float, cells: int, steps: int, scheme: str
         la.ToolTravel({"wedge": (0.0, -1.0)}),
         exact=(lambda travel: _force(half_angle, travel)) if friction == 0 else None,
         load="force",
-        # The velocity may become one of many, and the path end as DRIFTED: with friction, and at 45
-        # degrees from the ninth step on.
-        ending=Ending.REACHED if friction == 0 and half_angle < 45 else None,
+        # On these meshes the velocity becomes one of many, so that paths end as DRIFTED. Force, lip
+        # and volume are compared with Hill's values.
+        ending=None,
         volume=_VOLUME / steps**3,
         reading=_lip(half_angle, steps) if friction == 0 else _ratio(half_angle),
         tools={"wedge": la.Tool(face, ("body", "top"), (0, -1), friction=friction)},
