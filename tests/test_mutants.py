@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.mutants.mutants import PACKAGES, StaleError, _known, generated, known
+from tests.mutants.order import Ran, changed_lines, ordered
 from tests.mutants.sites import edits
 
 ROOT = Path(__file__).parents[1]
@@ -74,3 +75,48 @@ def test_each_package_has_errors_and_tests(package):
     assert (ROOT / package).exists()
     (mutant,) = generated(ROOT, 1, 0, only=str(package))
     assert all((ROOT / test).exists() for test in mutant.tests), mutant
+
+
+SOURCE = b"""_SMALL = 1.0
+
+
+def f(a):
+    if a > _SMALL:
+        return a
+    return (
+        a
+        + 1
+    )
+"""
+
+
+@pytest.mark.parametrize(
+    ("original", "changed", "lines"),
+    [
+        (b"1.0", b"2.0", {1}),
+        (b"a >", b"a <", {5}),
+        (b"return a\n", b"return 2\n", {6}),
+        (b"+ 1", b"- 1", {7, 8, 9, 10}),
+        (b"        + 1\n", b"", {7, 8, 9, 10}),
+        (b"return a\n    return", b"return b\n    yield", {6, 7}),
+    ],
+)
+def test_a_change_belongs_to_a_statement(original, changed, lines):
+    assert set(changed_lines(SOURCE, SOURCE.replace(original, changed))) == lines
+
+
+def test_tests_that_run_the_statement_are_the_first_ones():
+    tests = [
+        Ran("a.py::others", 1.0, {"f.py": frozenset({5, 6})}),
+        Ran("a.py::slow", 9.0, {"f.py": frozenset({5, 7})}),
+        Ran("b.py::quick", 2.0, {"f.py": frozenset({9})}),
+        Ran("c.py::branch", 1.0, {"f.py": frozenset({5, 6})}),
+        Ran("d.py::elsewhere", 1.0, {"g.py": frozenset({7})}),
+    ]
+
+    def names(changed):
+        return [own.test for own in ordered(tests, "f.py", SOURCE, SOURCE.replace(*changed))]
+
+    first = ["b.py::quick", "a.py::slow"]
+    assert names((b"+ 1", b"- 1")) == [*first, "a.py::others"]
+    assert sorted(names((b"1.0", b"2.0"))) == sorted(own.test for own in tests[:4])

@@ -1,7 +1,9 @@
 """Inject errors into a copy of the tree and report which of them the fast tests do not notice.
 
-Each error is injected alone, and the fast tests of its package run until the first failure. Tests
-that do not end count as a failure. An error is reported as FAILING if its tests fail without it.
+Each error is injected alone, and the fast tests of its package run until the first failure: of the
+test files that run the changed statement, and first the tests that run it, the quickest first.
+Tests that do not end count as a failure. An error is reported as FAILING if its tests fail without
+it.
 Finished errors are recorded, and a second run continues with the others; an error that was not
 noticed runs again when tests of its package have changed.
 """
@@ -21,6 +23,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.mutants.mutants import Mutant, generated, known
+from tests.mutants.order import Ran, ordered
 
 SAMPLE = 200  # errors that are generated, unless another number is given
 ROOT = Path(__file__).parents[2]
@@ -37,7 +40,7 @@ class Copy:
     """A copy of the tree, in which one file at a time has an error."""
 
     root: Path
-    seconds: dict[tuple[str, ...], float | None] = field(default_factory=dict)
+    known: dict[tuple[str, ...], list[Ran] | None] = field(default_factory=dict)
     writes: int = 0
 
     def outcome(self, mutant: Mutant) -> tuple[str, float]:
@@ -45,23 +48,31 @@ class Copy:
         without = self._without_error(mutant.tests)
         if without is None:
             return FAILING, 0.0
-        limit = max(_LEAST_LIMIT, _SLOWER * without)
         original = (self.root / mutant.path).read_bytes()
+        order = self.root.with_name("order.json")
+        chosen = ordered(without, mutant.path.as_posix(), original, mutant.source)
+        order.write_text(json.dumps([ran.test for ran in chosen]), encoding="utf-8")
+        limit = max(_LEAST_LIMIT, _SLOWER * sum(ran.seconds for ran in chosen))
+        files = dict.fromkeys(ran.file for ran in chosen)
         self._write(mutant.path, mutant.source)
         try:
-            code, seconds = self._run(mutant.tests, limit)
+            code, seconds = self._run((f"--order={order}", *files), limit)
         finally:
             self._write(mutant.path, original)
         if code not in (0, _FAILED, _INTERRUPTED, None):
             raise SystemExit(f"pytest ended with exit code {code} for {mutant}")
         return {0: MISSED, None: ENDLESS}.get(code, NOTICED), seconds
 
-    def _without_error(self, tests: tuple[str, ...]) -> float | None:
-        """Return the time of tests without an error, s; None where they fail, and prove nothing."""
-        if tests not in self.seconds:
-            code, seconds = self._run(tests, None)
-            self.seconds[tests] = seconds if code == 0 else None
-        return self.seconds[tests]
+    def _without_error(self, tests: tuple[str, ...]) -> list[Ran] | None:
+        """Return what tests run without an error; None where they fail, and prove nothing."""
+        if tests not in self.known:
+            rows = self.root.with_name("lines.json")
+            code, _ = self._run((f"--lines-to={rows}", *tests), None)
+            self.known[tests] = None
+            if code == 0:
+                found = json.loads(rows.read_text(encoding="utf-8"))
+                self.known[tests] = [Ran.of_row(row) for row in found]
+        return self.known[tests]
 
     def _write(self, path: Path, source: bytes) -> None:
         """Write a file with a time of its own: bytecode is recognised by time and size."""
@@ -70,13 +81,14 @@ class Copy:
         moment = time.time() + 10 * self.writes
         os.utime(target, (moment, moment))
 
-    def _run(self, tests: tuple[str, ...], limit: float | None) -> tuple[int | None, float]:
+    def _run(self, arguments: tuple[str, ...], limit: float | None) -> tuple[int | None, float]:
         """Return the exit code, None at the time limit, and the time, s."""
         paths = [self.root, *{own.parents[1] for own in self.root.glob("*/lacore*/__init__.py")}]
         places = os.pathsep.join(map(str, paths))
         environment = os.environ | {"PYTHONPATH": places, "OMP_NUM_THREADS": "1"}
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+        plugins = ["-p", "no:cacheprovider", "-p", "tests.mutants.coverage"]
+        command = [sys.executable, "-m", "pytest", "-x", "-q", *plugins, *arguments]
         begin = time.perf_counter()
         with subprocess.Popen(
             command,
