@@ -1,5 +1,7 @@
 """Velocities that supports, footings and driven blocks leave free."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
@@ -107,6 +109,23 @@ def test_a_direction_is_held_along_straight_parts_only(components, turn, possibl
         discretise(problem)
 
 
+def test_a_direction_is_held_along_a_smooth_curve():
+    """Edges of a parabola are quadratic and join without corners: it glides along itself."""
+    flat = la.meshes.quadrilaterals((-1, 1), (0, 1), 4, 1)
+    mesh = la.meshes.isoparametric(flat, lambda x: np.stack([x[0], x[1] + x[0] ** 2]))
+    problem = la.Problem(
+        {"bowl": la.Body(mesh, K, space="q2")},
+        [la.Traction("bowl", "top", (1, 0))],
+        [la.Fix("bowl", "bottom", "normal")],
+    )
+    d = discretise(problem)
+    nodes = np.unique(d.continua["bowl"].facet_nodes(mesh.boundaries["bottom"]))
+    slope = 2 * d.continua["bowl"].nodes[0, nodes]
+    u_x, u_y = d.free_basis.toarray()[d.continua["bowl"].dofs[:, nodes]]
+    assert u_y == pytest.approx(slope[:, None] * u_x, abs=1e-12)
+    assert np.all(np.abs(u_x).max(axis=1) > 0)
+
+
 def speeds_at(d, name, facets):
     """Velocities at the nodes on facets, and the speed of the footing, of each free velocity."""
     dofs = d.continua[name]
@@ -187,6 +206,14 @@ def test_crushing_is_as_slow_as_the_dead_load_presses_less_than_the_strength(str
     expected = pressure / strength if share is None else share
     assert scaled[crushing] == pytest.approx(expected)
     assert np.all(with_speeds_of_crushing(plain, unknowns, 0 * d.full.dead_load).diagonal() == 1)
+
+
+@pytest.mark.parametrize("strength", [1e-3, 1e3])
+def test_a_dead_load_sets_the_scale_of_stress_whatever_crushes(strength):
+    problem = crushing_block(strength, 2.0)
+    (blocks,) = problem.bodies.values()
+    firm = replace(problem, bodies={"blocks": la.BlockAssembly3D(blocks.polyhedra, 0.5)})
+    assert discretise(problem).natural == discretise(firm).natural
 
 
 @pytest.mark.parametrize("components", [4, 6])

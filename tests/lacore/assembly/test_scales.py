@@ -1,11 +1,13 @@
 """Natural scales grow with the problem, and unknowns are numbered body after body."""
 
+from dataclasses import replace
 from math import cbrt, cos, radians, sqrt
 
 import numpy as np
 import pytest
 
 import lacore as la
+from lacore.assembly.loading import NoPowerError
 from lacore.assembly.unknowns import Unknowns
 from tests.lacore.model.bodies.blocks3d.solids import box
 from tests.rigid_problems import box as rectangle
@@ -167,3 +169,18 @@ def test_the_size_of_a_load_adds_the_lengths_of_its_forces():
     load[unknowns.node_dofs[:, 5]] = 0.0, 2.0
     load[unknowns.blocks["stone"].offset :][:3] = 1.0, -1.0, 0.5
     assert unknowns.load_size(load) == pytest.approx(5 + 2 + 2.5)
+
+
+@pytest.mark.parametrize(("free", "accepted"), [(1e-10, True), (1e-14, False)])
+def test_a_load_does_power_if_more_than_round_off_of_it_can_move(free, accepted):
+    """A support takes all of a force on a block but a share of it."""
+    problem = replace(
+        film(1.0, 1.0),
+        reference_loads=[la.PointForce("b", "block", (free, 1))],
+        supports=[la.Fix("b", "block", "y")],
+    )
+    if accepted:
+        assert la.discretise(problem).full.n == 3
+        return
+    with pytest.raises(NoPowerError):
+        la.discretise(problem)

@@ -79,6 +79,22 @@ def test_block_between_a_rough_footing_and_a_wall(space):
     assert bound.load_factor >= 1 - ROUND_OFF
 
 
+def test_each_body_slips_past_its_own_footing():
+    """Of two such squares apart from each other, under one load each, the weaker one yields."""
+    one = sheared(n=2)
+    weak, strong = one.bodies["block"], la.Body(one.bodies["block"].mesh, la.VonMises(5.0))
+    both = la.Problem(
+        {"strong": strong, "weak": weak},
+        [la.RigidFooting(name, "top", (1, 0)) for name in ("strong", "weak")],
+        [la.Fix(name, "bottom") for name in ("strong", "weak")],
+        [
+            la.Interface((name, "right"), la.RigidObstacle(), la.SMOOTH)
+            for name in ("strong", "weak")
+        ],
+    )
+    assert la.solve(both).load_factor == pytest.approx(1.0, abs=SOLVED)
+
+
 def test_a_bracket_closes_on_it():
     found = la.bracket(sheared(n=4), 0.01)
     assert found.status is la.Ending.REACHED

@@ -2,9 +2,16 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
 import lacore as la
+from lacore.model.contact.laws import Laws
+from lacore.model.contact.obstacles import Obstacle
+from lacore.model.meshes.curved import EdgeCurves
+from lacore.paths.contact.outlines import Outline
+from lacore.paths.contact.stations import Station
 from lacore.paths.ending import Ending
+from lacore.paths.tools.contact import cornered
 from lacore_verification.cases.shared.exact_paths import strip_force
 
 LAW = la.hardening.Linear(1.0, 1.0)
@@ -236,6 +243,49 @@ def test_a_corner_pushes_from_the_moment_of_touch_on():
     before, after = (own.configuration.nodes["block"] for own in path.snapshots)
     (below,) = np.flatnonzero((before[0] == 0.25) & (before[1] == 0.5))
     assert before[1, below] - after[1, below] == pytest.approx(0.03, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("vertex", "at_corner", "normal", "gap"),
+    [
+        ((0.0, 0.0), True, None, 0.0),
+        ((0.0, -0.005), True, None, 0.005),  # before the corner, whose distance is the shortest
+        ((-0.005, 0.005), False, (-1, -1), 0.0),  # beside it, on a face
+        ((-0.005, 0.0), False, (-1, -1), None),  # beside it, before a face
+    ],
+)
+def test_a_vertex_at_a_corner_has_the_normal_of_the_body_and_beside_it_that_of_the_face(
+    vertex, at_corner, normal, gap
+):
+    """A wedge of 90 degrees points down at a body: one edge rises along a face, one is level."""
+    wedge = la.shapes.wedge((0, 0), 45)
+    x, y = vertex
+    start, end = np.array([[x - 1, x], [y + 1, y]]), np.array([[x, x + 1], [y, y]])
+    outward = np.array([[0.5**0.5, 0.0], [0.5**0.5, 1.0]])
+    side = Outline(np.arange(2), EdgeCurves(start, (start + end) / 2, end), outward)
+    places, none = np.array([vertex]), csr_matrix((1, 1))
+    station = Station(
+        name="wedge",
+        bodies=("body",),
+        places=places,
+        normals=wedge.normal(places.T).T,
+        weights=np.ones(1),
+        gaps=wedge.distance(places.T),
+        laws=Laws(*np.zeros((4, 1))),
+        away=wedge.distance(places.T) > 1e-6,
+        x=none,
+        y=none,
+        moving=np.array([[0, -1]]),
+    )
+    face = Obstacle("wedge", "body", "top", np.arange(2), wedge, la.Coulomb(0.0), 1.0)
+    found, corners = cornered(station, face, wedge, (side, side))
+    mean = -outward.sum(axis=1)  # of the body, between those of the two faces
+    wanted = np.array(mean if normal is None else normal)
+    wanted = wanted / np.linalg.norm(wanted)
+    assert corners.tolist() == [at_corner]
+    assert found.normals[0] == pytest.approx(wanted)
+    if gap is not None:
+        assert found.gaps[0] == pytest.approx(-gap * wanted[1])
 
 
 def mesh_middles(body):
