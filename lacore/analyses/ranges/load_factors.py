@@ -125,6 +125,18 @@ class LoadFactorRange(Reported):
         """Whether it is proven that the problem of `scope` has no higher load factor."""
         return _reached(self.high, self.bracket[1])
 
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """Ends, ``low`` and ``high``, that belong to a sample of states: others may lie beyond."""
+        proven = {"low": self.lowest_proven, "high": self.highest_proven}
+        return () if self.lowest is None else tuple(end for end in proven if not proven[end])
+
+    @property
+    def _sample(self) -> str:
+        """Text of `sampled`; empty where both ends are proven."""
+        beyond = [{"low": "lower", "high": "higher"}[end] for end in self.sampled]
+        return f" in a sample of states ({' and '.join(beyond)} ones may exist)" if beyond else ""
+
     def facts(self) -> Facts:
         """Return the results and what is proven, for printing; `summary` is complete."""
         return self.facts_for(PYTHON)
@@ -132,8 +144,8 @@ class LoadFactorRange(Reported):
     def facts_for(self, reader: Reader) -> Facts:
         """Return the facts for a reader."""
         form = self.kind.digits
-        found = f"{self.low:{form}} to {self.high:{form}}{self.scope.phrase}"
-        if self.lowest is None or self.highest is None:
+        found = f"{self.low:{form}} to {self.high:{form}}{self.scope.phrase}{self._sample}"
+        if self.lowest is None:
             found = "none is certified"
         told = {"status": self.report.summary_for(reader), "proven": self._proven()}
         told |= self._residuals()
@@ -180,10 +192,10 @@ class LoadFactorRange(Reported):
 
     def _lines(self) -> Iterator[str]:
         of = self.scope.phrase
-        if self.lowest is None or self.highest is None:
+        if self.lowest is None:
             yield f"none of the {self.kind.value}{of} is certified: {self.message}"
         else:
-            yield f"{self.kind.value}{of}: {self.low:.6g} to {self.high:.6g}"
+            yield f"{self.kind.value}{of}: {self.low:.6g} to {self.high:.6g}{self._sample}"
         if self.kind is RangeKind.COULOMB and self.scope is Scope.DISCRETE:
             yield (
                 f"  proven of the continuum: every one lies in {_interval(self.continuum, '.6g')}"

@@ -8,6 +8,7 @@ import pytest
 import lacore as la
 from lacore.analyses.ranges.load_factors import RangeKind
 from lacore.reporting.status import Scope, Status
+from lacore_verification.report.problems.bounding import BOUNDING
 from tests.lacore.coupling.test_injected_intervals import two_blocks
 
 
@@ -49,6 +50,29 @@ def test_an_end_is_proven_where_it_reaches_its_bound(found):
     assert "none is higher, because it reaches its bound" in reached
     unbounded = str(replace(found, high=inf))
     assert "any higher one is carried" in unbounded
+
+
+@pytest.mark.parametrize(
+    ("below", "above", "sampled"),
+    [(0, 0, ()), (0.1, 0, ("low",)), (0, 0.1, ("high",)), (0.1, 0.1, ("low", "high"))],
+)
+def test_a_range_is_called_a_sample_at_the_ends_that_reach_no_bound(found, below, above, sampled):
+    """A search of many joints may miss load factors: only an end at its bound is the last one."""
+    own = replace(found, bracket=(found.low - below, found.high + above))
+    assert own.sampled == sampled
+    for text in (own.facts().title, own.summary().splitlines()[0]):
+        assert ("sample" in text) == bool(sampled)
+        assert ("lower" in text, "higher" in text) == ("low" in sampled, "high" in sampled)
+    document, table_title = BOUNDING["range"].document, BOUNDING["range"].table_title
+    assert document(own, None)["sampled"] == list(sampled)
+    assert ("Sample" in table_title(own)) == bool(sampled)
+
+
+def test_a_range_without_states_is_no_sample(found):
+    """Nor is one end of a mechanism that carries any load factor: nothing lies beyond infinity."""
+    assert replace(found, lowest=None, highest=None, low=nan, high=nan).sampled == ()
+    unbounded = replace(found, high=inf, bracket=(found.low, inf))
+    assert unbounded.sampled == ()
 
 
 def test_a_free_motion_is_not_searched():

@@ -172,13 +172,14 @@ BOUNDING: Mapping[str, Analysis] = {
             "low": found.low,
             "high": found.high,
             "proven": list(found.bracket),
+            "sampled": list(found.sampled),
             "status": found.status.label,
             "stopped": found.stopped,
         },
         script=_range_call,
         facts=lambda found, units: found.facts_for(Reader(units, files=True)).told,
         table=lambda found: found.states,
-        table_title=lambda found: "States found",
+        table_title=lambda found: "Sample of states" if found.sampled else "States found",
     ),
 }
 AFTER: Mapping[str, Analysis] = {
