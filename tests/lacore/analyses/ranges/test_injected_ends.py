@@ -1,5 +1,6 @@
 """Ends of a range that are a little off prove less."""
 
+import time
 from dataclasses import replace
 from math import inf
 from types import SimpleNamespace
@@ -14,8 +15,10 @@ from lacore.bounds.bracket.bracket import Ending
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound
 from lacore.reporting.errors import InputError
+from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Rigor
+from tests.lacore.coupling.test_injected_intervals import two_blocks
 from tests.lacore.models import deformable_block
 
 
@@ -87,6 +90,30 @@ def test_a_bracket_bounds_the_continuum_by_its_strict_sides(
     assert (found.lower, found.upper) == ends
     assert len(found.missing) == missing
     assert asked == [(0.1, "clarabel")]
+
+
+def test_a_bracket_tells_why_it_has_one_side_alone(monkeypatch):
+    """The reason is that of the bracket, which knows it, where there is one."""
+    below, above = bound(LowerBound, 1.0, Rigor.DISCRETE), bound(UpperBound, 2.0, Rigor.UPPER)
+    for failures in ((), (Finding(Kind.STEP_OF_PATH),)):
+        found = SimpleNamespace(
+            lower_bound=below, upper_bound=above, status=None, failures=failures
+        )
+        monkeypatch.setattr(continuum, "bracket", lambda *given, own=found, **more: own)
+        missing = continuum_range(la.discretise(deformable_block(0.3)), "clarabel", {}, 0.1).missing
+        kinds = [own.kind for own in missing]
+        assert kinds == [Kind.STEP_OF_PATH if failures else Kind.STRAIGHT_EDGES]
+
+
+def test_a_central_path_has_no_more_time_than_the_search(monkeypatch):
+    """What is left of the limit, and never more than the backend is given for one solve."""
+    left, begin = [], time.perf_counter()
+    monkeypatch.setattr(coulomb.Search, "run", lambda own, *given: left.append(own.seconds()))
+    for limit, options in ((50.0, None), (500.0, {"time_limit": 20.0})):
+        coulomb.coulomb_range(two_blocks(0.3, 0.2), "clarabel", time_limit=limit, options=options)
+        spent = time.perf_counter() - begin
+        most = limit if options is None else options["time_limit"]
+        assert min(limit - spent, most) <= left[-1] <= most
 
 
 @pytest.mark.parametrize("failing", ["lower_bound", "upper_bound"])

@@ -8,6 +8,8 @@ from scipy.optimize import brentq
 
 import lacore as la
 from lacore.analyses.ranges import safety
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 
 
 def cut(weight, criterion, cells=4):
@@ -227,6 +229,46 @@ def test_what_is_not_divided_is_named():
     held = [*problem.supports, la.Fix("mast", "A", "clamped")]
     beside = replace(problem, bodies={**problem.bodies, "mast": frame}, supports=held)
     assert "strength of soil; mast as stated" in repr(replace(found, problem=beside))
+
+
+def test_a_width_is_relative_to_the_mean():
+    """2 and 6: 4 apart, around 4."""
+    found = la.safety_factor(cut(1.0, la.VonMises(1.0), cells=1), tolerance=0.5)
+    assert replace(found, lower=2.0, upper=6.0).width == 1.0
+
+
+def told_of(monkeypatch, name):
+    """Make a solve report its load factor as a finding, and return the analysis of a block.
+
+    It is held by a joint of shear strength 2 Pa or friction: F is 4 or 3.6.
+    """
+    solved = getattr(safety, name)
+
+    def telling(*given, **more):
+        own = solved(*given, **more)
+        return replace(own, findings=(Finding(Kind.NO_BOUND, (f"{own.load_factor:.9g}",)),))
+
+    monkeypatch.setattr(safety, name, telling)
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
+    law = la.Tresca(2.0) if name == "upper_bound" else 0.6
+    problem = la.Problem(
+        {"block": la.Body(mesh, la.VonMises(100.0))},
+        [la.Traction("block", "left", (1, 0))],
+        interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle((0, 0), (0, 1)), law)],
+        dead_loads=[la.Pressure("block", "top", 3.0)],
+    )
+    return la.safety_factor(problem, interfaces=True, tolerance=0.1)
+
+
+@pytest.mark.parametrize("name", ["upper_bound", "solve"])
+def test_what_is_found_of_the_mechanism_is_that_of_the_upper_end(monkeypatch, name):
+    """The strengths of another end, and what was found with them, are not those of collapse."""
+    found = told_of(monkeypatch, name)
+    rows = found.history
+    if name == "upper_bound":
+        rows = rows[rows.end == "upper"]
+    (factor,) = rows.load_factor[rows.factor == found.upper]
+    assert [own.where for own in found.findings] == [(f"{factor:.9g}",)]
 
 
 def test_an_end_that_is_not_proven_says_so():
