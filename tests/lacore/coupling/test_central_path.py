@@ -100,6 +100,25 @@ def test_the_start_is_inside_and_all_its_powers_are_equal(run):
     assert np.abs(across).max() <= 1e-11
 
 
+def test_the_start_is_the_closest_one_to_its_state(run):
+    """With r, force per velocity, ``p - r s = p0 - r N u0`` and ``q - r v = q0 - r T u0``.
+
+    These are the normals of the curves of constant power at the place next to the state.
+    """
+    problem, z = inside(run)
+    state, rows, rough = run.iterates[0].inner.point, run.program.contact, problem.rough
+    p0 = rows.weights * state.normal_reaction
+    q0 = (rows.weights[:, None] * state.tangential_reaction)[rough]
+    ratio = np.abs(p0[rough]).max() / np.abs(state.velocity).max()
+    p, q, s, _, v, u, alpha = problem.parts(z)
+    assert p - ratio * s == pytest.approx(p0 - ratio * rows.opening(u), abs=1e-9 * p0.max())
+    # Friction is bisected to 1e-12 of its bound, and slip is its reciprocal distance from there.
+    aim = q0 - ratio * rows.slip(u)[rough]
+    assert np.abs(q - ratio * v - aim).max() <= 1e-6 * p0.max()
+    assert (u == state.velocity).all()
+    assert alpha == state.load_factor
+
+
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_a_start_without_normal_reactions_is_inside(run, share):
     """Adhesion may carry the load alone; their size was the only measure of forces."""

@@ -8,6 +8,7 @@ import pytest
 
 import lacore as la
 from lacore.coupling import certified
+from lacore.coupling.fixed_point import fixed_point
 from lacore.coupling.freezing import friction_of, generous, pressing
 from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.options import CouplingOptions
@@ -140,6 +141,82 @@ def test_a_motion_that_nothing_resists_is_free(regularised):
     values = RegularisedValues(0.0, 0.0, 0.0, 0.0) if regularised else None
     assert not run.free(iterate(faster, program, regularised=values))
     assert not run.free(iterate(state, program, status=Status.STALLED, regularised=values))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_rigid_motion_is_rigid_both_ways(sign):
+    """Strain rates of 1 per unit length are flow, those of round-off are not, in any direction."""
+    slides, state = sliding()
+    assert run_of(slides.program)._rigid(sign * state.velocity)
+    assert not run_of()._rigid(sign * STATE.velocity)
+    mixed = state.velocity + 1e-9 * np.random.default_rng(0).standard_normal(slides.program.n)
+    assert run_of(slides.program)._rigid(sign * mixed)
+
+
+@pytest.mark.parametrize(
+    ("statuses", "solves"),
+    [
+        ([Status.SOLVED], 1),
+        ([Status.UNSAFE, Status.SOLVED], 2),
+        ([Status.UNSAFE, Status.UNSAFE], 2),
+        ([Status.LOCKED], 1),  # for any friction (T13)
+    ],
+)
+def test_friction_that_carries_too_little_is_raised_once(monkeypatch, statuses, solves):
+    """Dead loads fall where friction is too small to carry them; more of it may hold them."""
+    d, state = sliding()
+    pressures = []
+
+    def solve(kind, contact, program):
+        pressures.append(contact.bound.max())
+        status = statuses[len(pressures) - 1]
+        point = state if status is Status.SOLVED else None
+        return SimpleNamespace(inner=SimpleNamespace(status=status, point=point))
+
+    monkeypatch.setattr(certified, "s_step", lambda run, point, reactions: ("S", point))
+    found = certified.anchored(SimpleNamespace(program=d.program, solve=solve))
+    assert len(pressures) == solves
+    assert pressures == sorted(pressures)
+    assert pressures[0] > 10 * MU * P0  # generous: far more than the load presses
+    if statuses[-1] is Status.SOLVED:
+        assert found == ("S", state)
+    else:
+        assert found.inner.status is statuses[-1]
+
+
+@pytest.mark.parametrize(
+    ("point", "status", "proven", "free", "solves"),
+    [
+        (False, Status.LOCKED, False, False, 1),
+        (True, Status.TIME_LIMIT, False, False, 1),
+        (True, Status.ITERATION_LIMIT, False, False, 1),
+        (True, Status.SOLVED, True, False, 1),
+        (True, Status.SOLVED, False, True, 1),
+        (True, Status.SOLVED, False, False, 3),  # the budget
+    ],
+)
+def test_a_fixed_point_loop_ends_with_its_first_answer(point, status, proven, free, solves):
+    """Each of these alone ends it: nothing to go on from, no time, a certificate, no power."""
+    d, state = sliding()
+    own = SimpleNamespace(inner=SimpleNamespace(point=state if point else None, status=status))
+
+    class Loop(SimpleNamespace):
+        exhausted = property(lambda own: len(own.iterates) >= 3)
+
+    run = Loop(
+        program=d.program,
+        iterates=[],
+        proven=lambda _: proven,
+        free=lambda _: free,
+        mapped=lambda *_: None,
+        finish=lambda iterate: iterate,
+        end=lambda status: status,
+    )
+    run.solve = lambda *_: run.iterates.append(own) or own
+    mixing = SimpleNamespace(step=lambda values, image: image)
+    end = fixed_point(run, "K", 0.0, state, mixing)
+    assert len(run.iterates) == solves
+    assert end is (own if solves == 1 else Status.NOT_CONVERGED)
 
 
 def test_the_mismatch_is_the_change_of_friction_per_reaction():
