@@ -1,5 +1,6 @@
 """The range of load factors of a soil: closed forms, and what injected searches prove."""
 
+import time
 from dataclasses import replace
 from math import cos, radians, sin, tan
 from types import SimpleNamespace
@@ -60,6 +61,14 @@ def test_the_load_factor_of_davis_is_that_of_reduced_strength(found):
     beta = cos(radians(PHI))
     angle = np.arctan(beta * tan(radians(PHI)))
     assert found[0].davis == pytest.approx(carried(beta * COHESION, angle), rel=1e-6)
+
+
+def test_assembly_takes_a_part_of_the_time():
+    begin = time.perf_counter()
+    own = la.soil_range(pressed(), shares=(1.0,))
+    spent = time.perf_counter() - begin
+    for state in (own.lowest, own.highest):
+        assert 0 < state.build_time < spent
 
 
 def test_each_share_is_searched_twice(found):
