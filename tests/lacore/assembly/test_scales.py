@@ -33,6 +33,15 @@ def sand(length, stress):
     )
 
 
+def masonry(length, stress):
+    mesh = la.meshes.rectangle((0, 2 * length), (0, length), 2, 1)
+    return la.Problem(
+        {"b": la.Body(mesh, la.NoTension(3 * stress))},
+        [la.Pressure("b", "top", stress)],
+        [la.Fix("b", "bottom")],
+    )
+
+
 def ring(length, stress):
     mesh = la.meshes.rectangle((length, 2 * length), (0, 0.5 * length), 2, 1)
     return la.Problem(
@@ -79,6 +88,7 @@ EXPECTED = {  # length, stress, thickness for a length and a stress of 1
     clay: (sqrt(AREA), 3 * sqrt(3), 1.0),
     # Dead load over the length by the slope sin(30); supports take an eleventh of the load.
     sand: (sqrt(AREA), 0.5 * (10 - 10 / 12) / sqrt(AREA), 1.0),
+    masonry: (sqrt(AREA), 3.0, 1.0),  # only its crushing sets a stress
     # Its volume per area is the circumference at the middle radius.
     ring: (sqrt(0.5), 2 * sqrt(3), 2 * np.pi * 1.5),
     wall: (sqrt(2 * AREA), 4 / sqrt(2 * AREA), 1.0),  # with the weight of the base

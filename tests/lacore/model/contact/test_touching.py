@@ -293,6 +293,8 @@ def test_points_count_as_touching_by_shares_of_the_size_of_the_body():
     own = Obstacle("i", "b", "bottom", np.zeros(0, dtype=int), shape, la.SMOOTH.terms(), 2.0)
     assert own.near == 2e-6
     assert 0 < own.touch <= own.near
+    large = replace(own, size=2e3)
+    assert (large.near, large.touch) == pytest.approx((1e3 * own.near, 1e3 * own.touch))
 
 
 def test_a_plane_is_drawn_as_long_as_a_box_is_wide_to_either_side():
