@@ -128,7 +128,7 @@ class Profile(Compact):
     def _on_arcs(self, points: Floats) -> tuple[Floats, Floats]:
         own = self.arcs
         away = points[:, :, None] - own.centre[:, None]
-        turn = np.sign(own.sweep)
+        turn = np.copysign(1.0, own.sweep)  # also of an arc without a sweep
         angle = turn * (np.arctan2(away[1], away[0]) - own.start) % (2 * np.pi)
         # Beyond an arc, the other end may be closer: the adjacent line covers it.
         angle = own.start + turn * np.minimum(angle, np.abs(own.sweep))

@@ -184,7 +184,7 @@ class Outline(_Profiled):
         sharp, curved = radius == 0, np.flatnonzero(radius)
         bisectors, convex = corner(before[:, sharp], after[:, sharp])
         turn = _turn(before, after)[curved]
-        start = np.stack([before[1], -before[0]])[:, curved] * np.sign(turn)
+        start = np.stack([before[1], -before[0]])[:, curved] * np.copysign(1.0, turn)
         ends = (own - taken * before)[:, curved]
         angle = np.arctan2(start[1], start[0])
         arcs = Arcs(ends - start * radius[curved], radius[curved], angle, turn)

@@ -45,6 +45,17 @@ def test_only_loaded_pieces_get_a_node_midway():
     assert added(only_dead) == [(3.0, 0.0)]
 
 
+def test_a_frame_without_load_keeps_its_nodes_beside_one_with_load():
+    """Whichever of the two comes first."""
+    one = beam()
+    far = la.Frame({"a": (9, 0), "b": (12, 0)}, {"left": ("a", "b")}, 1.0)
+    for bodies in ({**one.bodies, "far": far}, {"far": far, **one.bodies}):
+        supports = [*one.supports, la.Fix("far", "a", "clamped")]
+        problem = la.Problem(bodies, one.reference_loads, supports)
+        assert added(problem) == [(1.0, 0.0)]
+        assert added(problem, "far") == []
+
+
 def test_nodes_are_added_once():
     problem = spanned(beam())
     assert spanned(problem) is problem

@@ -229,6 +229,16 @@ def test_roundings_that_fit_exactly_are_accepted():
         outline([(0, 0), (1, 0), (1, 2), (0, 2)], rounding=[0.501, 0.501, 0, 0])
 
 
+@pytest.mark.parametrize(
+    ("rounding", "named"),
+    [([0.1, 0.8, 0.9, 0.2], (0.8, 0.9)), ([0.9, 0.1, 0.2, 0.8], (0.8, 0.9))],
+)
+def test_roundings_that_do_not_fit_are_those_at_both_ends_of_an_edge(rounding, named):
+    with pytest.raises(la.InputError) as refused:
+        outline([(0, 0), (3, 0), (3, 1), (0, 1)], rounding)
+    assert refused.value.value == named
+
+
 @pytest.mark.parametrize("angle", [0, 90, -10, np.nan, "30"])
 def test_wedges_have_an_angle_between_0_and_90_degrees(angle):
     with pytest.raises(la.InputError, match="half_angle"):
@@ -404,6 +414,20 @@ def test_faces_of_tetrahedra_touch_planes_that_are_turned_with_them(turn):
     up = rotation[:, 2]
     found = touching(("b", "bottom"), la.RigidObstacle((0.1, 0.2, 0.3), tuple(up)), {"b": body})
     assert found.normal == pytest.approx(np.tile(up[:, None], found.slave.size))
+
+
+@pytest.mark.parametrize("clockwise", [False, True])
+@pytest.mark.parametrize("corner", range(4))
+def test_a_corner_on_a_straight_edge_changes_nothing_when_it_is_rounded(corner, clockwise):
+    corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)]
+    middle = tuple(np.add(corners[corner], corners[(corner + 1) % 4]) / 2)
+    more = [*corners[: corner + 1], middle, *corners[corner + 1 :]]
+    one, other = (outline(own[:: -1 if clockwise else 1], 0.25) for own in (corners, more))
+    places = np.random.default_rng(corner).uniform(-3, 7, (2, 500))
+    assert other.distance(places) == pytest.approx(one.distance(places))
+    assert other.normal(places) == pytest.approx(one.normal(places))
+    drawn = other.outline(np.zeros(2), np.ones(2))
+    assert other.distance(drawn) == pytest.approx(np.zeros(drawn.shape[1]), abs=1e-12)
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
