@@ -90,6 +90,23 @@ def test_a_joint_of_two_members_is_no_node_inside_a_member():
     assert inside.tolist() == [False, False, False, True]
 
 
+def test_a_node_inside_any_of_many_members_serves():
+    """In each of four beams, one on top of another."""
+    places = {"a": 0, "p": 1, "b": LENGTH}
+    nodes = {f"{name}{k}": (x, k) for k in range(4) for name, x in places.items()}
+    members = {f"beam {k}": (f"a{k}", f"b{k}") for k in range(4)}
+    members |= {f"post {k}": (f"a{k}", f"a{k + 1}") for k in range(3)}
+    frame = la.Frame(nodes, members, 1.0)
+    problem = la.Problem(
+        {"beam": frame},
+        [la.Traction("beam", f"beam {k}", (0, -1)) for k in range(4)],
+        [la.Fix("beam", f"a{k}", "clamped") for k in range(4)],
+    )
+    inside = _passing(problem, "beam", frame)
+    assert {frame.names[node] for node in np.flatnonzero(inside)} == {f"p{k}" for k in range(4)}
+    assert added(problem) == []
+
+
 def predicate(place):
     return lambda x: np.abs(x[0] - place) < 1e-9
 

@@ -363,17 +363,17 @@ def test_joints_within_an_assembly_are_not_those_of_its_interface():
 
 def test_whole_faces_of_blocks_touch_where_they_are():
     """A box away from the origin: its contact points are the corners of its base."""
-    bodies = {"b": la.BlockAssembly3D({"b": box((3, 4, 0.7), (5, 7, 2))}, 0.5)}
+    bodies = {"b": la.BlockAssembly3D({"b": box((3, 4, 0.7), (6.5, 7, 2))}, 0.5)}
     plane = la.RigidObstacle((0, 0, 0.7), (0, 0, 1))
     for obstacle in (plane, la.RigidObstacle()):
         found = touching(("b", on(2, 0.7)), obstacle, bodies)
         assert sorted(map(tuple, found.point.T.round(9))) == [
             (3.0, 4.0, 0.7),
             (3.0, 7.0, 0.7),
-            (5.0, 4.0, 0.7),
-            (5.0, 7.0, 0.7),
+            (6.5, 4.0, 0.7),
+            (6.5, 7.0, 0.7),
         ]
-        assert found.weight == pytest.approx(6 / 4)
+        assert found.weight == pytest.approx(3.5 * 3 / 4)
         assert found.normal[:, 0] == pytest.approx([0, 0, 1])
 
 
