@@ -52,6 +52,13 @@ class Kind(Enum):
         "where free water stands on the ground, it acts on the ground, too: state a StandingWater"
     )
 
+    # Input
+    DIMENSIONS = (
+        "{where!r} has a size of {size}, which does not fit {why}: are its coordinates in m? State"
+        " the unit of its file"
+    )
+    MESH_CHANGED = "the mesh of {where!r}: {text}"
+
     # Limits of what a load factor shows
     OTHER_LOAD_FACTORS = (
         "other load factors may exist, because flow is not associated; {terms.SOIL_RANGE} searches"

@@ -12,6 +12,11 @@ STRESSES = {
     **{"psf": _LBF / _FT**2, "ksf": 1e3 * _LBF / _FT**2},
     **{"psi": _LBF / _IN**2, "ksi": 1e3 * _LBF / _IN**2},
 }
+METRES = {
+    **{"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0},
+    **{"in": 0.0254, "ft": 0.3048, "yd": 0.9144},
+}
+"""Lengths of units of files, m."""
 _METRIC = {"N": "Pa", "kN": "kPa", "MN": "MPa"}
 _CUSTOMARY = {"lbf": ("psf", "psi"), "kip": ("ksf", "ksi")}
 _OF_FRAMES = {"N/m": "N", "N": "N m", "N/m per m": "N/m"}

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lacore.assembly.sticking import opening
 from lacore.limit import cells
+from lacore.limit.judges.dimensions import changed_meshes, implausible_dimensions
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
 from lacore.limit.outcome import Outcome
@@ -179,4 +180,6 @@ DESCRIBING: tuple[Judge, ...] = (
     backend_message,
     strengthless_bodies,
     missing_water,
+    implausible_dimensions,
+    changed_meshes,
 )

@@ -10,6 +10,7 @@ from skfem import Mesh
 
 from lacore.model.conditions.where import asked, edges_inside
 from lacore.model.meshes.curved import edge_curves
+from lacore.model.meshes.files.notes import noted, notes_of
 from lacore.model.meshes.polygonal import labelled
 from lacore.model.meshes.solid.faces import selected_faces
 from lacore.model.meshes.solid.roundness import outline_of
@@ -51,7 +52,7 @@ def named(
     """
     own = mesh.with_subdomains(_elements(mesh, regions)) if regions else mesh
     own = own.with_boundaries(_boundaries(mesh, boundaries)) if boundaries else own
-    return labelled(own, outline_of(mesh))
+    return noted(labelled(own, outline_of(mesh)), notes_of(mesh))
 
 
 def _boundaries(mesh: Any, boundaries: Mapping[str, Places]) -> dict[str, Ints]:

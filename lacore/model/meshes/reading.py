@@ -1,8 +1,8 @@
-"""Meshes of triangles or tetrahedra from files, with the names of physical groups."""
+"""Meshes from files: triangles, quadrilaterals or tetrahedra, with the names of their groups."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -11,72 +11,88 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
-from skfem import MeshTet, MeshTri
+from skfem import Mesh, MeshQuad, MeshTet, MeshTri
 
+from lacore.model.meshes.curved import isoparametric
+from lacore.model.meshes.files.cells import FLAT, TRIANGLES, Cells, cells_of
+from lacore.model.meshes.files.formats import loaded
+from lacore.model.meshes.files.notes import noted
+from lacore.model.meshes.polygonal import labelled
 from lacore.numerics.arrays import Floats, Ints
-from lacore.reporting.errors import InputError, is_number, require_range, suggest_all, typed
+from lacore.reporting.errors import (
+    InputError,
+    is_number,
+    require_known,
+    require_range,
+    suggest_all,
+    typed,
+)
+from lacore.reporting.showing import listed
+from lacore.reporting.units import METRES
 
-_FLAT = 1e-9  # by a length: deviation from a plane or line in files with 16 digits
-_CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "tetra": 4, "tetra10": 4}
-_MADE = {2: MeshTri, 3: MeshTet}
-# Ends of edges, in the order in which midside nodes follow the vertices.
-_EDGES = {
-    2: ((0, 1), (1, 2), (2, 0)),
-    3: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
-}
+_MADE = {(2, 3): MeshTri, (2, 4): MeshQuad, (3, 4): MeshTet}
 _NAMES = {
     2: ("line", "edge", "triangle", "curve in the surface", "surfaces"),
     3: ("triangle", "face", "tetrahedron", "surface in the volume", "volumes"),
 }
-_FIRST_ORDER = "save a mesh of first order (of gmsh: Mesh.ElementOrder = 1)"
 
 
 @typed()
 def read(
-    path: str | PathLike[str], surface: str | None = None, merge: float = 1e-9
-) -> MeshTri | MeshTet:
-    """Read a mesh from a file: .msh of gmsh, version 2.2 or 4.1, or any format of meshio.
+    path: str | PathLike[str],
+    surface: str | None = None,
+    merge: float = 1e-9,
+    unit: str | None = None,
+    elements: str | None = None,
+) -> MeshTri | MeshQuad | MeshTet:
+    """Read a mesh from a file: .msh of gmsh (2.2, 4.1), .inp of Abaqus, or any format of meshio.
 
-    Tetrahedra are read if there are any; the following rules for lines, triangles and surfaces then
-    apply to triangles, tetrahedra and volumes.
+    Tetrahedra are read if there are any; the following rules for lines, surfaces and their
+    elements then apply to triangles, volumes and tetrahedra.
 
-    Physical groups of lines (sets of line elements) become named boundaries, those of surfaces
-    named subdomains; groups without a name are left out. Nodes that no triangle uses are dropped,
-    and so is a constant z. A mesh of second order is reduced to its vertices if its edges are
-    straight, and rejected if one is curved. For a mesh of first order this is unknown: if its
-    outline looks like a polygon in place of a curve, a `Body` assumes so; use
-    ``Body(geometry="exact")`` for an intended polygon, ``"approximated"`` for other curves.
+    Physical groups of lines (sets of line elements, or surfaces of Abaqus) become named boundaries,
+    those of surfaces named subdomains; groups without a name are left out. A set of nodes names the
+    edges of the boundary whose ends it contains. Nodes that no element uses are dropped, and so is
+    a constant z.
+
+    Quadrilaterals remain if there are no triangles, and are otherwise cut in two. A mesh of second
+    order is reduced to its vertices if its edges are straight; a curved one becomes isoparametric
+    (`skfem.MeshTri2`, `skfem.MeshQuad2`). For straight edges that replace a curve, a `Body` assumes
+    this if the outline looks like it; use ``Body(geometry="exact")`` for an intended polygon,
+    ``"approximated"`` for other curves. `print` of a body shows what was assumed.
 
     Args:
         path: path of the file; the ending determines the format.
-        surface: group of the triangles to read; None: all of the file.
+        surface: group of the elements to read; None: all of the file.
         merge: nodes closer than this share of the mesh's size are merged; 0 keeps the two sides of
             a crack apart, and other coincident nodes as well.
+        unit: unit of the coordinates: "m", "dm", "cm", "mm", "km", "in", "ft", "yd"; None: m, since
+            these files state none.
+        elements: "triangles" also cuts quadrilaterals in two, and replaces curved edges by chords,
+            for strict bounds; None: those of the file.
 
     Raises:
-        InputError: a file that cannot be read, without triangles or with other elements of surfaces
-            and volumes, that is not plane or has curved edges; a line that is not an edge of a
-            triangle; an unknown surface.
+        InputError: a file that cannot be read, or without elements of these kinds; one that is not
+            plane; curved edges of a mixed mesh or of tetrahedra; a line that is not an edge of an
+            element; an unknown surface or unit.
 
     Example:
         >>> la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2).save("rectangle.msh")  # or of gmsh
-        >>> la.meshes.read("rectangle.msh").nelements
-        32
+        >>> la.meshes.read("rectangle.msh", unit="ft").p.max()
+        0.6096
     """
-    if not (is_number(merge) and 0 <= merge < 1):
-        raise InputError("merge", merge, "not a share of the size", "give 1e-9, or 0 for none")
-    file = loaded(Path(fspath(path)))
+    _check(merge, unit, elements)
     shown = fspath(path)
+    file = loaded(Path(shown))
     dimension = 3 if any(block.dim == 3 and len(block.data) for block in file.cells) else 2
-    sides, whole, groups = _cells(file, dimension, shown)
-    points = _places(np.asarray(file.points, dtype=float), whole, dimension, shown)
-    _check_straight(points, whole, dimension, shown)
-    elements = whole[:, : dimension + 1]
-    number, kept = _numbering(points, elements, sides, merge)
-    vertices = number[elements]
+    nodes = np.asarray(file.points, dtype=float) * METRES[unit or "m"]
+    points = _places(nodes, file, dimension, shown)
+    cells = cells_of(file, points, dimension, elements, shown)
+    number, kept = _numbering(points, cells, merge)
+    vertices, edges = number[cells.corners], number[cells.edges]
     collapsed = np.flatnonzero(np.any(np.diff(np.sort(vertices, axis=1), axis=1) == 0, axis=1))
     if collapsed.size:
-        place = points[elements[collapsed[0]]].mean(axis=0)
+        place = points[cells.corners[collapsed[0]]].mean(axis=0)
         raise InputError(
             "path",
             shown,
@@ -89,148 +105,70 @@ def read(
     )
     order = np.argsort(first)
     element = np.argsort(order)[copy.ravel()]
+    own = first[order]
     # In the order of memory that scikit-fem would otherwise change with a report.
-    arrays = map(np.ascontiguousarray, (points[kept].T, vertices[first[order]].T))
-    mesh = _MADE[dimension](*arrays)
-    facets = _facets(mesh, number, sides, points, groups, shown)
-    named = mesh.with_boundaries(
-        {
-            name: np.unique(facets[rows])
-            for (dim, name), rows in groups.items()
-            if dim == dimension - 1
-        }
-    ).with_subdomains(
-        {name: np.unique(element[rows]) for (dim, name), rows in groups.items() if dim == dimension}
+    corners = vertices[own]
+    if (dimension, vertices.shape[1]) == (2, 4):
+        corners = _anticlockwise(corners, points[kept])
+    arrays = map(np.ascontiguousarray, (points[kept].T, corners.T))
+    mesh = _MADE[dimension, vertices.shape[1]](*arrays)
+    facets = _facets(mesh, number, cells, points, shown)
+    sets, without = _named_by_nodes(mesh, number, file)
+    named = mesh.with_boundaries({**sets, **cells.named(dimension - 1, facets)}).with_subdomains(
+        cells.named(dimension, element)
     )
-    return named if surface is None else _restricted(named, surface)
+    part, vertex = (named, np.arange(len(kept))) if surface is None else _part(named, surface)
+    notes = [f"{Path(shown).name}, lengths in {unit or 'm (the file states no unit)'}"]
+    notes += [*cells.notes]
+    if without:
+        notes.append(f"sets of nodes without an edge left out: {listed(without)}")
+    curved = cells.curved(points)
+    if curved.any():
+        middles = (edges.reshape(-1, 2), points[cells.middles].reshape(-1, 2))
+        rows = own if surface is None else own[named.subdomains[surface]]
+        part = _isoparametric(part, vertex, middles, _centres(cells, points)[rows])
+    if cells.by_chords:
+        part = labelled(part, "approximated")
+    return noted(part, tuple(notes))
 
 
-def loaded(path: Path) -> Any:
-    """Return the file as read by meshio."""
-    import meshio  # imported here because it imports the readers of forty formats
-
-    if not path.is_file():
-        raise InputError("path", str(path), "no such file", "give the path of a mesh file")
-    with path.open("rb") as start:
-        if start.readline().strip() == b"$MeshFormat" and start.readline().startswith(b"4.0"):
-            raise InputError(
-                "path", str(path), "version 4.0 of gmsh's format", "write version 4.1 or 2.2"
-            )
-    formats = meshio.extension_to_filetypes.get(path.suffix.lower(), [])
-    if not formats:
-        raise InputError(
-            "path", str(path), "a format that is not known", "give a .msh file, or one of meshio's"
-        )
-    why = ""
-    for name in sorted(formats, key=lambda name: name != "gmsh"):
-        try:
-            return getattr(meshio, name).read(path)
-        except Exception as error:  # Readers fail on broken files with any kind of exception.
-            why = why or f"{type(error).__name__} {error}".strip()
-    raise InputError(
-        "path",
-        str(path),
-        f"cannot be read ({why})",
-        "write it anew (of gmsh: version 4.1 or 2.2, without Mesh.SaveAll)",
-    )
+def _check(merge: float, unit: str | None, elements: str | None) -> None:
+    """Raise `InputError` for values that `read` does not support."""
+    if not (is_number(merge) and 0 <= merge < 1):
+        raise InputError("merge", merge, "not a share of the size", "give 1e-9, or 0 for none")
+    if unit is not None:
+        require_known("unit", unit, METRES)
+    if elements is not None:
+        require_known("elements", elements, (TRIANGLES,))
 
 
-def _cells(file: Any, dimension: int, shown: str) -> tuple[Ints, Ints, dict[tuple[int, str], Ints]]:
-    """Return the nodes of sides (n, d) and of elements (n, all), and group rows by (dim, name)."""
-    found: dict[int, list[Ints]] = {dimension - 1: [], dimension: []}
-    groups: dict[tuple[int, str], list[Ints]] = {}
-    plane = ", of plane triangles only (without recombination)" if dimension == 2 else ""
-    for number, block in enumerate(file.cells):
-        nodes = np.asarray(block.data, dtype=np.int64)
-        if block.dim not in found or not nodes.size:
-            continue
-        if block.type not in _CORNERS:
-            raise InputError(
-                "path",
-                shown,
-                f"holds elements of the kind {block.type!r}",
-                f"{_FIRST_ORDER}{plane or ', of tetrahedra only'}",
-            )
-        if nodes.min() < 0 or nodes.max() >= len(file.points):
-            raise InputError("path", shown, "elements have nodes that it lacks", "write it anew")
-        before = sum(map(len, found[block.dim]))
-        found[block.dim].append(nodes if block.dim == dimension else nodes[:, :dimension])
-        for name, rows in _groups(file, number, block.dim):
-            groups.setdefault((block.dim, name), []).append(rows + before)
-    if not found[dimension]:
-        raise InputError("path", shown, "holds no triangles", "mesh the surfaces, and save them")
-    kinds = {nodes.shape[1] for nodes in found[dimension]}
-    if len(kinds) > 1:
-        name = {2: "triangles", 3: "tetrahedra"}[dimension]
-        raise InputError("path", shown, f"holds {name} of two orders", _FIRST_ORDER)
-    none = np.empty((0, dimension), dtype=np.int64)
-    return (
-        np.concatenate([none, *found[dimension - 1]]),
-        np.concatenate(found[dimension]),
-        {key: np.unique(np.concatenate(rows)) for key, rows in groups.items()},
-    )
-
-
-def _groups(file: Any, block: int, dim: int) -> Iterator[tuple[str, Ints]]:
-    """Yield the groups with elements of a block: name, rows of the block."""
-    for name, sets in file.cell_sets.items():
-        rows = sets[block]
-        if not name.startswith("gmsh:") and rows is not None and len(rows):
-            yield name, np.asarray(rows, dtype=np.int64)
-    if "gmsh:physical" in file.cell_data:
-        names = {tuple(map(int, tag)): name for name, tag in file.field_data.items()}
-        tags = np.asarray(file.cell_data["gmsh:physical"][block])
-        for tag in np.unique(tags[tags > 0]).tolist():
-            # Groups without a name are incomplete in the reader where they overlap others.
-            if (tag, dim) in names:
-                yield names[tag, dim], np.flatnonzero(tags == tag)
-
-
-def _places(points: Floats, elements: Ints, dimension: int, shown: str) -> Floats:
+def _places(nodes: Floats, file: Any, dimension: int, shown: str) -> Floats:
     """Return the coordinates of nodes, (n, 3), or (n, 2) in a plane of constant z."""
-    if not np.all(np.isfinite(points)):
+    if not np.all(np.isfinite(nodes)):
         raise InputError("path", shown, "has nodes that are not finite", "fix their coordinates")
-    require_range(f"path = {shown!r}, coordinates", points)
-    used = points[np.unique(elements)]
-    if points.shape[1] > dimension:
+    require_range(f"path = {shown!r}, coordinates", nodes)
+    if nodes.shape[1] > dimension:
+        own = [np.ravel(block.data) for block in file.cells if block.dim == dimension]
+        number = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *own])).astype(np.int64)
+        used = nodes[number[(number >= 0) & (number < len(nodes))]]
         height = used[:, 2]
-        if np.ptp(height) > _FLAT * np.linalg.norm(np.ptp(used, axis=0)):
+        if height.size and np.ptp(height) > FLAT * np.linalg.norm(np.ptp(used, axis=0)):
             raise InputError(
                 "path",
                 shown,
                 f"is not plane: z goes from {height.min():.6g} to {height.max():.6g}",
                 "draw the surface in the plane of x and y",
             )
-    return points[:, :dimension]
+    return nodes[:, :dimension]
 
 
-def _check_straight(points: Floats, elements: Ints, dimension: int, shown: str) -> None:
-    """Reject midside nodes off the straight edge between the vertices."""
-    midside = range(dimension + 1, elements.shape[1])
-    for (one, other), middle in zip(_EDGES[dimension], midside, strict=False):
-        start, end = points[elements[:, one]], points[elements[:, other]]
-        at, along = points[elements[:, middle]] - start, end - start
-        squares = np.sum(along**2, axis=1)
-        share = np.sum(at * along, axis=1) / np.where(squares > 0, squares, 1.0)
-        off = np.linalg.norm(at - share[:, None] * along, axis=1)
-        curved = np.flatnonzero(off > _FLAT * np.sqrt(squares))
-        if curved.size:
-            first = curved[0]
-            raise InputError(
-                "path",
-                shown,
-                f"has a curved edge, from {start[first]} to {end[first]}",
-                f"{_FIRST_ORDER}, and say Body(geometry='approximated')",
-            )
-
-
-def _numbering(points: Floats, elements: Ints, sides: Ints, merge: float) -> tuple[Ints, Ints]:
+def _numbering(points: Floats, cells: Cells, merge: float) -> tuple[Ints, Ints]:
     """Return the vertex of each node (-1: none), and the node of each vertex.
 
     Vertices keep the order of their first node in an element.
     """
-    corners = np.unique(elements)
-    used = np.union1d(corners, sides)
+    corners = np.unique(cells.corners)
+    used = np.union1d(corners, cells.sides)
     size = float(np.linalg.norm(np.ptp(points[corners], axis=0)))
     cluster: Ints = np.arange(len(points))
     if merge > 0:
@@ -244,29 +182,29 @@ def _numbering(points: Floats, elements: Ints, sides: Ints, merge: float) -> tup
     return vertex[cluster], corners[first[order]]
 
 
-def _facets(
-    mesh: MeshTri | MeshTet,
-    number: Ints,
-    sides: Ints,
-    points: Floats,
-    groups: dict[tuple[int, str], Ints],
-    shown: str,
-) -> Ints:
+def _anticlockwise(vertices: Ints, points: Floats) -> Ints:
+    """Return quadrilaterals (n, 4) with their corners in anticlockwise order."""
+    across = points[vertices[:, 2:]] - points[vertices[:, :2]]  # both diagonals
+    area = across[:, 0, 0] * across[:, 1, 1] - across[:, 0, 1] * across[:, 1, 0]
+    return np.where((area < 0)[:, None], vertices[:, [0, 3, 2, 1]], vertices)
+
+
+def _facets(mesh: Mesh, number: Ints, cells: Cells, points: Floats, shown: str) -> Ints:
     """Return the facet of each side, -1 for those in no group."""
-    dimension = mesh.p.shape[0]
+    dimension = cells.dimension
     side, edge, element, within, _ = _NAMES[dimension]
     names = {
         int(row): name
-        for (dim, name), rows in groups.items()
+        for (dim, name), rows in cells.groups.items()
         if dim == dimension - 1
         for row in rows
     }
     known = {ends: facet for facet, ends in enumerate(map(tuple, mesh.facets.T.tolist()))}
-    facets = np.full(len(sides), -1)
+    facets = np.full(len(cells.sides), -1)
     for row, name in names.items():
-        facet = known.get(tuple(sorted(number[sides[row]].tolist())))
+        facet = known.get(tuple(sorted(number[cells.sides[row]].tolist())))
         if facet is None:
-            first, *others = points[sides[row]]
+            first, *others = points[cells.sides[row]]
             where = " and ".join(map(str, others))
             raise InputError(
                 "path",
@@ -279,17 +217,64 @@ def _facets(
     return facets
 
 
-def _restricted(mesh: MeshTri | MeshTet, surface: str) -> MeshTri | MeshTet:
-    """Return the elements of one group; groups of sides elsewhere are dropped."""
+def _named_by_nodes(mesh: Mesh, number: Ints, file: Any) -> tuple[dict[str, Ints], list[str]]:
+    """Return the facets of the boundary by set of nodes, and the sets that contain none."""
+    outer = mesh.boundary_facets()
+    found, without = {}, []
+    for name, nodes in file.point_sets.items():
+        inside = np.isin(np.arange(mesh.p.shape[1]), number[np.asarray(nodes, dtype=np.int64)])
+        own = outer[inside[mesh.facets[:, outer]].all(axis=0)]
+        if own.size:
+            found[name] = own
+        elif not name.startswith("gmsh:"):
+            without.append(name)
+    return found, without
+
+
+def _part(mesh: Mesh, surface: str) -> tuple[Mesh, Ints]:
+    """Return the elements of one group, and the vertex in the mesh of each of theirs.
+
+    Groups of sides elsewhere are dropped.
+    """
     groups = mesh.subdomains or {}
     kinds = _NAMES[mesh.p.shape[0]][4]
     if surface not in groups:
         fix = suggest_all(surface, groups) if groups else f"give none: the file names no {kinds}"
         raise InputError("surface", surface, f"no such group of {kinds}", fix)
-    part = mesh.restrict(groups[surface])
+    part, vertex = mesh.restrict(groups[surface], return_mapping=True)
     sides = {name: facets for name, facets in (part.boundaries or {}).items() if facets.size}
-    return (
+    own = (
         type(mesh)(part.p, part.t)
         .with_boundaries(sides)
         .with_subdomains({surface: np.arange(part.nelements)})
     )
+    return own, vertex
+
+
+def _isoparametric(mesh: Mesh, vertex: Ints, middles: tuple[Ints, Floats], centres: Floats) -> Mesh:
+    """Return a mesh with its midside nodes where the file has them.
+
+    Args:
+        mesh: straight-edged triangles or quadrilaterals.
+        vertex: number of each of its vertices in the file.
+        middles: ends of edges by these numbers, (e, 2), and their midside nodes, (e, 2), m.
+        centres: node in the centre of each element, (n, 2), m.
+    """
+    ends, places = middles
+    curved = isoparametric(mesh)
+    count = int(max(ends.max(), vertex.max())) + 1
+    keys, first = np.unique(_keys(ends.T, count), return_index=True)
+    row = first[np.searchsorted(keys, _keys(vertex[mesh.facets], count))]
+    inner = centres.T if isinstance(mesh, MeshQuad) else np.zeros((2, 0))
+    nodes = np.concatenate([mesh.p, places[row].T, inner], axis=1)
+    return replace(curved, doflocs=np.ascontiguousarray(nodes))
+
+
+def _keys(ends: Ints, count: int) -> Ints:
+    return np.asarray(ends.min(axis=0).astype(np.int64) * count + ends.max(axis=0))
+
+
+def _centres(cells: Cells, points: Floats) -> Floats:
+    """Return the nodes in the centre of elements, (n, 2); those of 8 nodes by their shape."""
+    own = points[cells.middles].sum(axis=1) / 2 - points[cells.corners].sum(axis=1) / 4
+    return np.where((cells.centres >= 0)[:, None], points[cells.centres], own)

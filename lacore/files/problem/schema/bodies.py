@@ -15,7 +15,7 @@ from lacore.files.problem.schema.places import Part, Place
 from lacore.files.problem.schema.sections import Section, section
 from lacore.files.problem.schema.values import (
     Count,
-    DrawingUnit,
+    FileUnit,
     Length,
     MassDensity,
     Moment,
@@ -112,7 +112,7 @@ class Drawing(Entry):
     file: NamedFile
     layers: dict[str, Layer]
     """Layers of the drawing by name; others are ignored."""
-    unit: DrawingUnit | None = None
+    unit: FileUnit | None = None
     """Unit of the drawing, instead of that in the file."""
     snap: Length | None = None
     """Vertices nearer than this are one; 1e-5 of the size of the drawing if left out."""

@@ -18,6 +18,7 @@ from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.values import (
     Count,
+    FileUnit,
     Interval,
     Length,
     Number,
@@ -48,6 +49,10 @@ class MeshFile(Entry):
     surface: str | None = None
     """Physical group of the triangles to read."""
     merge: Number | None = None
+    unit: FileUnit | None = None
+    """Unit of the coordinates; m if left out."""
+    elements: Literal["triangles"] | None = None
+    """Triangles: cut quadrilaterals in two, and replace curved edges by chords."""
 
     @model_validator(mode="before")
     @classmethod
@@ -71,7 +76,7 @@ class MeshFile(Entry):
     @model_validator(mode="after")
     def _known(self) -> "MeshFile":
         if self.file.lower().endswith(".npz"):
-            for name in ("surface", "merge"):
+            for name in ("surface", "merge", "unit", "elements"):
                 if getattr(self, name) is not None:
                     raise refused("does not apply to .npz files", "leave it out", name)
         return self

@@ -16,7 +16,7 @@ from lacore.files.problem.schema.meshes import NamedFile
 from lacore.files.problem.schema.values import (
     Angle,
     AngleSlope,
-    DrawingUnit,
+    FileUnit,
     Length,
     Number,
     Point,
@@ -106,7 +106,7 @@ class DrawnOutline(Entry):
     file: NamedFile
     layer: str | None = None
     """Layer of the outline; by default the only layer of the drawing."""
-    unit: DrawingUnit | None = None
+    unit: FileUnit | None = None
     """Unit of the drawing, instead of that in the file."""
     sagitta: Length | None = None
     """Largest distance of chords from curves; by default curves are rejected."""

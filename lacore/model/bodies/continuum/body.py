@@ -24,6 +24,7 @@ from lacore.model.materials.conic_form import KINEMATICS, SPACE
 from lacore.model.materials.criterion import Criterion
 from lacore.model.meshes.checks import check_mesh
 from lacore.model.meshes.curved import EdgeCurves, edge_curves, vertices
+from lacore.model.meshes.files.notes import notes_of
 from lacore.model.meshes.solid.checks import check_tetrahedra
 from lacore.model.meshes.solid.roundness import outline_of
 from lacore.numerics.arrays import Bools, Floats, Ints
@@ -35,8 +36,9 @@ from lacore.reporting.text import Term, join, text
 _TRIANGLES = Term(
     "skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated', or"
     " space='p2-gauss' on a MeshTri2; of quadrilaterals: mesh.to_meshtri(style='x'), or"
-    " space='q2')",
-    'mesh of triangles (of quadrilaterals: space = "q2")',
+    " space='q2'; of files: read(elements='triangles'))",
+    'mesh of straight triangles: { file = ..., elements = "triangles" } (or space = "q2" of'
+    ' quadrilaterals, "p2-gauss" of curved triangles)',
 )
 _QUADRILATERALS = Term("skfem.MeshQuad", 'mesh of shape = "quadrilaterals"')
 
@@ -155,6 +157,8 @@ class Body(Shown):
             "size": f"{self.mesh.nvertices} vertices, {lengths}, geometry {self.geometry}",
             "boundaries": listed(self.mesh.boundaries or {}, 12) or "none has a name",
         }
+        if notes := notes_of(self.mesh):
+            told["file"] = "; ".join(notes)
         return Facts(f"Body: {self.contents}", told)
 
     def picture(self) -> Picture:

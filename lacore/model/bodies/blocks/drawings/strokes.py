@@ -7,12 +7,7 @@ from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity
-
-METRES = {
-    **{"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0},
-    **{"in": 0.0254, "ft": 0.3048, "yd": 0.9144},
-}
-"""Lengths of units of drawings, m."""
+from lacore.reporting.units import METRES
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,15 +14,15 @@ from scipy.spatial import cKDTree
 
 from lacore.model.bodies.blocks.drawings.compas import SUPPORT, meshes_of
 from lacore.model.bodies.blocks.drawings.reading import json_of
-from lacore.model.bodies.blocks.drawings.strokes import METRES
 from lacore.model.bodies.blocks.joints import JointFriction
 from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.model.bodies.blocks3d.crushing import Crushing
 from lacore.model.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.model.materials.friction import Friction
-from lacore.model.meshes.reading import loaded
+from lacore.model.meshes.files.formats import loaded
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, require_known, require_positive, typed
+from lacore.reporting.units import METRES
 
 Mesh = tuple[Floats, list[list[int]]]
 _SNAP = 1e-5  # by the size of the file: a tenth of a millimetre on ten metres

@@ -1,0 +1,1 @@
+"""Contents of mesh files: formats, kinds of elements, curved edges, and notes on what was read."""

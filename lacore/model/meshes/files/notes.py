@@ -1,0 +1,17 @@
+"""Notes of a reader on a mesh: what it assumed or changed."""
+
+from typing import Any
+
+_NOTES = "_lacore_notes"
+
+
+def noted(mesh: Any, notes: tuple[str, ...]) -> Any:
+    """Return a mesh with notes; they are lost if scikit-fem makes another mesh of it."""
+    object.__setattr__(mesh, _NOTES, notes)
+    return mesh
+
+
+def notes_of(mesh: Any) -> tuple[str, ...]:
+    """Return the notes on a mesh."""
+    notes: tuple[str, ...] = getattr(mesh, _NOTES, ())
+    return notes
