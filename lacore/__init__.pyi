@@ -62,6 +62,7 @@ from .model.conditions.loads import Fix as Fix
 from .model.conditions.loads import PointForce as PointForce
 from .model.conditions.loads import Pressure as Pressure
 from .model.conditions.loads import Traction as Traction
+from .model.conditions.water import PiezometricLine as PiezometricLine
 from .model.conditions.water import PorePressure as PorePressure
 from .model.conditions.water import StandingWater as StandingWater
 from .model.conditions.water import WaterTable as WaterTable

@@ -57,6 +57,7 @@ class Kind(Enum):
         "{where!r} has a size of {size}, which does not fit {why}: are its coordinates in m? State"
         " the unit of its file"
     )
+    TABLE_SNAPPED = "the water table of {where} at {height} was moved to the vertices at {moved}"
     MESH_CHANGED = "the mesh of {where!r}: {text}"
 
     # Limits of what a load factor shows

@@ -94,6 +94,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.PorePressure": water.PorePressure,
     "la.StandingWater": water.StandingWater,
     "la.WaterTable": water.WaterTable,
+    "la.PiezometricLine": water.PiezometricLine,
     "la.Interface": Interface,
     "la.RigidObstacle": RigidObstacle,
     "la.Coulomb": Coulomb,

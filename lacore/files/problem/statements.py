@@ -103,6 +103,9 @@ def _(thing: water.StandingWater, field: str) -> Table:
 def _water(pressure: object, field: str) -> Any:
     if isinstance(pressure, water.WaterTable):
         return {"height": plain(pressure.height), "unit_weight": plain(pressure.unit_weight)}
+    if isinstance(pressure, water.PiezometricLine):
+        points = [[plain(own) for own in point] for point in pressure.points]
+        return {"points": points, "unit_weight": plain(pressure.unit_weight)}
     if isinstance(pressure, Linear | ByLevel):
         return _function(pressure, field)
     if isinstance(pressure, tuple | Callable):

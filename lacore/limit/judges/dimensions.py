@@ -1,13 +1,17 @@
 """Bodies whose dimensions do not fit their weight or strength, and changes made by readers."""
 
 from collections.abc import Iterator
+from functools import singledispatch
 
 import numpy as np
 
 from lacore.limit.outcome import Outcome
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.water import snapped
 from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.loads import Load
+from lacore.model.conditions.water import PorePressure, StandingWater, WaterTable
 from lacore.model.meshes.files.notes import notes_of
 from lacore.model.problem.problem import Problem
 from lacore.reporting.findings import Finding, Severity
@@ -47,13 +51,34 @@ def changed_meshes(outcome: Outcome, status: Status) -> Iterator[Finding]:
             yield Finding(Kind.MESH_CHANGED, (name,), {"text": "; ".join(changes)})
 
 
+def snapped_tables(outcome: Outcome, status: Status) -> Iterator[Finding]:
+    """A water table was moved to vertices that it nearly meets."""
+    problem = outcome.discretisation.problem
+    bodies = of_kind(problem.bodies, Body)
+    for field, load in problem.loads.items():
+        if not isinstance(load, PorePressure | StandingWater) or load.body not in bodies:
+            continue
+        if isinstance(load.pressure, WaterTable):
+            table = snapped(load.pressure, bodies[load.body])
+            if isinstance(table, WaterTable) and table.height != load.pressure.height:
+                ends = {"height": load.pressure.height, "moved": table.height}
+                values = {name: Quantity(own, "m", ".7g") for name, own in ends.items()}
+                yield Finding(Kind.TABLE_SNAPPED, (field,), values)
+
+
 def _weight(problem: Problem, name: str) -> float:
     """Return the largest uniform unit weight on a body if it is one of a real material, N/m^3."""
-    loads = of_kind(problem.loads, BodyForce).values()
-    vectors = [load.vector for load in loads if load.body == name]
-    sizes = [
-        float(np.linalg.norm(np.array(vector, dtype=float)))
-        for vector in vectors
-        if all(isinstance(own, float | int) for own in vector)
-    ]
+    sizes = [_size(load) for load in problem.loads.values() if load.body == name]
     return max((own for own in sizes if _WEIGHTS[0] <= own <= _WEIGHTS[1]), default=0.0)
+
+
+@singledispatch
+def _size(load: Load) -> float:
+    """Return the size of a uniform force per volume, N/m^3; 0 of other loads."""
+    return 0.0
+
+
+@_size.register(BodyForce)
+def _of_force(load: BodyForce) -> float:
+    uniform = all(isinstance(own, float | int) for own in load.vector)
+    return float(np.linalg.norm(np.array(load.vector, dtype=float))) if uniform else 0.0

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lacore.assembly.sticking import opening
 from lacore.limit import cells
-from lacore.limit.judges.dimensions import changed_meshes, implausible_dimensions
+from lacore.limit.judges.dimensions import changed_meshes, implausible_dimensions, snapped_tables
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
 from lacore.limit.outcome import Outcome
@@ -182,4 +182,5 @@ DESCRIBING: tuple[Judge, ...] = (
     missing_water,
     implausible_dimensions,
     changed_meshes,
+    snapped_tables,
 )

@@ -57,6 +57,58 @@ class WaterTable(Compact):
 
 
 @dataclass(frozen=True, repr=False)
+class PiezometricLine(Compact):
+    """Water below a line of points: ``u = unit_weight (h(x) - y)`` there, and 0 above it.
+
+    The level h(x) is linear between the points, and constant beyond the first and the last one. In
+    elements and edges that the line crosses, the pressure is linear between their vertices.
+
+    Attributes:
+        points: (x, y) with increasing x, m.
+        unit_weight: N/m^3.
+
+    Raises:
+        InputError: fewer than two points, values that are not finite, or x that does not increase.
+
+    Example:
+        >>> line = la.PiezometricLine([(0, 4), (10, 2)], unit_weight=10e3)
+        >>> line(np.array([[5.0, 20.0], [0.0, 0.0]])).tolist()  # Pa
+        [30000.0, 20000.0]
+    """
+
+    points: Sequence[Sequence[float]]
+    unit_weight: float = WATER
+
+    def __post_init__(self) -> None:
+        field = "PiezometricLine.points"
+        fix = "give [(x, y), ...] from left to right, at least two"
+        try:
+            points = np.array(self.points, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(field, None, "not a list of points", fix) from None
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+            raise InputError(field, None, "not a list of points", fix)
+        if not np.isfinite(points).all():
+            raise InputError(field, None, "has points that are not finite", fix)
+        back = np.flatnonzero(np.diff(points[:, 0]) <= 0)
+        if back.size:
+            x = float(points[back[0] + 1, 0])
+            raise InputError(f"{field}[{back[0] + 1}]", x, "x does not increase", fix)
+        object.__setattr__(self, "points", tuple(map(tuple, points.tolist())))
+        require_positive("PiezometricLine.unit_weight", self.unit_weight)
+
+    def __call__(self, x: Floats) -> Floats:
+        """Return the pressure at places of shape (2, n), Pa, shape (n,)."""
+        level = np.interp(x[0], *np.transpose(self.points))
+        return np.asarray(self.unit_weight * np.maximum(level - x[1], 0.0))
+
+    @property
+    def told(self) -> str:
+        """Short text."""
+        return f"water below a line of {len(self.points)} points"
+
+
+@dataclass(frozen=True, repr=False)
 class PorePressure(Compact):
     """Pressure u >= 0 of the pore water in a body; its criterion applies to ``sigma + u I``.
 
@@ -182,7 +234,7 @@ class StandingWater(Compact):
 
 
 def _told(pressure: float | Sequence[float] | Callable[[Floats], Floats]) -> str:
-    if isinstance(pressure, WaterTable):
+    if isinstance(pressure, WaterTable | PiezometricLine):
         return pressure.told
     if callable(pressure):
         return "water pressure of a function"

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from skfem import MeshTri
 
 from lacore.model.meshes.checks import check_hanging
+from lacore.model.meshes.polygonal import labelled
 from lacore.model.meshes.structured import rectangle
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, is_plane_vector, require_place
@@ -79,7 +80,8 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
     """Return a triangle mesh of quadrangles that share whole sides with equal cells.
 
     Boundaries `left`, `right`, `bottom`, `top` are the edges on the sides of the bounding box, if
-    there are any; subdomains have the names of the parts.
+    there are any; subdomains have the names of the parts. A `Body` takes the outline as exact,
+    unless it is given ``geometry="approximated"``.
 
     Args:
         parts: quadrangles in any order.
@@ -122,7 +124,7 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
     found: MeshTri = glued.with_boundaries(_sides(glued, _SAME * size)).with_subdomains(
         {name: np.concatenate(elements) for name, elements in names.items()}
     )
-    return found
+    return labelled(found, "exact")
 
 
 def _sides(mesh: MeshTri, near: float) -> dict[str, Floats]:

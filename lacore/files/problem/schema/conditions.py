@@ -244,9 +244,19 @@ class WaterTable(Entry):
     unit_weight: UnitWeight | None = None
 
 
+class PiezometricLine(Entry):
+    """Water below a line of points, from left to right."""
+
+    maker: ClassVar[str] = "la.PiezometricLine"
+    points: tuple[Point, ...]
+    unit_weight: UnitWeight | None = None
+
+
 def _water(given: Any) -> str:
     if not isinstance(given, dict):
         return "~uniform"
+    if "points" in given:
+        return "~line"
     if {"value", "gradient"} & set(given):
         return "~linear"
     return "~levels" if {"levels", "values"} & set(given) else "~table"
@@ -264,6 +274,7 @@ class PorePressure(_Load):
     load: Literal["pore-pressure"]
     pressure: Annotated[
         Annotated[WaterTable, Tag("~table")]
+        | Annotated[PiezometricLine, Tag("~line")]
         | Annotated[Stress, Tag("~uniform")]
         | Annotated[Linear, Tag("~linear")]
         | Annotated[ByLevel, Tag("~levels")],
@@ -279,6 +290,7 @@ class StandingWater(_Load):
     where: Where
     pressure: Annotated[
         Annotated[WaterTable, Tag("~table")]
+        | Annotated[PiezometricLine, Tag("~line")]
         | Annotated[Linear, Tag("~linear")]
         | Annotated[ByLevel, Tag("~levels")],
         Discriminator(_still),

@@ -1,5 +1,6 @@
 """Base of all entries of a problem file: known keys, and their conversion to calls."""
 
+from collections.abc import Iterable
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, model_validator
@@ -33,10 +34,7 @@ class Entry(BaseModel):
         known = {entry.alias or name: entry for name, entry in cls.model_fields.items()}
         for key in given:
             if key not in known:
-                fix = suggest(str(key), set(known) - set(given))
-                if not fix.endswith("?"):  # It may belong to an existing key.
-                    fix = suggest(str(key), known) if suggest(str(key), known)[-1] == "?" else fix
-                raise refused("unknown key", fix, str(key))
+                raise refused("unknown key", _advice(str(key), known, given), str(key))
         missing = [key for key, entry in known.items() if entry.is_required() and key not in given]
         if missing:
             needed = ", ".join(missing)
@@ -56,6 +54,15 @@ class Entry(BaseModel):
             for name, own in given.items()
             if name != self.tag and own is not None
         }
+
+
+def _advice(key: str, known: Iterable[str], given: Iterable[str]) -> str:
+    """Return the closest key, preferably one that is not given, and all valid ones."""
+    names = {*known}
+    for own in (names - {*given}, names):
+        if (fix := suggest(key, own)).endswith("?"):
+            return f"{fix} known keys: {', '.join(sorted(names))}"
+    return f"known keys: {', '.join(sorted(names))}"
 
 
 def node(value: Any, at: Path) -> Any:

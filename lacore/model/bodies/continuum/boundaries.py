@@ -27,16 +27,19 @@ _UNNAMED = (
 def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
     """Return the facets of the part `where` of the boundary of `body`, sorted.
 
-    A name selects the facets of the mesh with this name. A predicate gets coordinates of shape (d,
-    n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
-    length, or on their whole face; it must not end inside a facet (the velocity would need a jump
-    there that the space does not have).
+    A name selects the facets of the mesh with this name, and several names those of all. A
+    predicate gets coordinates of shape (d, n), returns a mask (n,), and selects the boundary facets
+    that satisfy it along their whole length, or on their whole face; it must not end inside a facet
+    (the velocity would need a jump there that the space does not have).
 
     Raises:
         InputError: unknown name, nothing selected, an interior facet, a predicate that ends
             inside a facet.
     """
     mesh = body.mesh
+    if isinstance(where, tuple) and where:
+        own = [boundary_facets(body, name, f"{field}[{n}]") for n, name in enumerate(where)]
+        return np.unique(np.concatenate(own))
     if isinstance(where, str):
         named = mesh.boundaries or {}
         if where not in named:
@@ -54,7 +57,7 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
             field,
             where,
             "not a boundary",
-            "give a boundary name or a function of coordinates (d, n)",
+            "give a tuple of names, a boundary name or a function of coordinates (d, n)",
         )
     if facets.size == 0:
         shown = where if isinstance(where, str) else None

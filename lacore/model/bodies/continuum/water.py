@@ -1,7 +1,8 @@
 """Water in the pores of a continuum and on its boundary, as values at vertices (T64)."""
 
+from dataclasses import replace
 from functools import singledispatch
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from lacore.reporting.showing import counted
 
 if TYPE_CHECKING:
     from lacore.model.bodies.continuum.body import Body
+
+Wet = TypeVar("Wet", PorePressure, StandingWater)
+_SNAP = 1e-4  # by the size: a table closer to vertices lies on them, 1 mm on ten metres
 
 
 @singledispatch
@@ -29,6 +33,7 @@ def in_pores(load: Load, body: "Body", field: str) -> Floats:
 
 @in_pores.register(PorePressure)
 def _of_pores(load: PorePressure, body: "Body", field: str) -> Floats:
+    load = _aligned(load, body)
     _require_linear(load.pressure, body, body.mesh.t, f"{field}.pressure")
     return load.at(vertices(body.mesh), field)
 
@@ -40,11 +45,27 @@ def on_facets(load: StandingWater, body: "Body", facets: Ints, field: str) -> Fl
         InputError: see `in_pores`.
     """
     places = vertices(body.mesh)
+    load = _aligned(load, body)
     _require_linear(load.pressure, body, body.mesh.facets[:, facets], f"{field}.pressure")
     ends = np.unique(body.mesh.facets[:, facets])
     values = np.zeros(places.shape[1])
     values[ends] = load.at(places[:, ends], field)
     return values
+
+
+def snapped(pressure: Any, body: "Body") -> Any:
+    """Return a water table at the height of the vertices that it nearly meets, or what is given."""
+    if not isinstance(pressure, WaterTable):
+        return pressure
+    heights = vertices(body.mesh)[1]
+    nearest = float(heights[np.argmin(np.abs(heights - pressure.height))])
+    close = body.allowed < abs(nearest - pressure.height) <= _SNAP * body.size
+    return replace(pressure, height=nearest) if close else pressure
+
+
+def _aligned(load: Wet, body: "Body") -> Wet:
+    pressure = snapped(load.pressure, body)
+    return load if pressure is load.pressure else replace(load, pressure=pressure)
 
 
 @singledispatch

@@ -149,11 +149,13 @@ def _unified(
         raise _curved(blocks, curved, points, shown)
     if dimension == 2 and (mixed or wanted == TRIANGLES):
         return _divided(blocks, groups, points, bent)
-    joined = {
-        name: np.concatenate([getattr(own, name) for own in blocks])
-        for name in ("corners", "middles", "centres")
-    }
-    return replace(blocks[0], groups=groups, **joined)
+    return replace(
+        blocks[0],
+        corners=np.concatenate([own.corners for own in blocks]),
+        middles=np.concatenate([own.middles for own in blocks]),
+        centres=np.concatenate([own.centres for own in blocks]),
+        groups=groups,
+    )
 
 
 def _divided(
