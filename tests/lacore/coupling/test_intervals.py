@@ -389,21 +389,27 @@ def test_a_lifted_point_keeps_its_tangential_bound(backend, limit):
     assert interval.upper.point.tangential_reaction[1] == pytest.approx(-0.3, abs=1e-8)
 
 
-def test_slip_at_a_limit_and_with_friction():
-    """``||t_t|| <= mu t_n + limit``, sliding: 0.5 * 2 + 0.4, whatever the reactions."""
-    program = mixed(0.4)
-    rows = replace(program.contact, limit=np.array([0.4, 0.4]))
-    program = replace(program, contact=rows)
+@pytest.mark.parametrize("weight", [1.0, 2.0])
+@pytest.mark.parametrize("lifted", [False, True])
+def test_slip_at_a_limit_and_with_friction(weight, lifted):
+    """``||t_t|| <= mu t_n + limit``, sliding: ``0.5 * 2 + 0.4 w`` whatever the reactions.
+
+    A point that lifts off has its limit alone, and no dead load to hold.
+    """
+    program, pressed = mixed(0.4), 0.0 if lifted else 2.0
+    rows = replace(program.contact, limit=np.array([0.4, 0.4]), weights=np.full(2, weight))
+    program = replace(program, contact=rows, dead_load=np.array([0, -pressed, 0, 0.3]))
+    exact = 0.5 * pressed + 0.4 * weight
     point = ProgramState(
-        velocity=np.array([1.0, 0, 0, 0]),
-        load_factor=1.4,
+        velocity=np.array([1.0, lifted, 0, 0]),
+        load_factor=exact,
         stress=(),
         mean_stress=(),
-        normal_reaction=np.array([2.0, 0]),
-        tangential_reaction=np.array([[-1.4], [-0.3]]),
+        normal_reaction=np.array([pressed, 0]) / weight,
+        tangential_reaction=np.array([[-exact], [-0.3]]) / weight,
     )
     interval = load_factor_interval(program, point, at_work("highs"))
-    assert [interval.low, interval.high] == pytest.approx([1.4, 1.4], abs=1e-8)
+    assert [interval.low, interval.high] == pytest.approx([exact, exact], abs=1e-8)
     assert interval.exact
 
 

@@ -14,6 +14,8 @@ from lacore.analyses.ranges.continuum import continuum_range
 from lacore.bounds.bracket.bracket import Ending
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound
+from lacore.coupling.interval import End, EndStatus, Interval
+from lacore.coupling.search import CertifiedMechanism
 from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
@@ -114,6 +116,19 @@ def test_a_central_path_has_no_more_time_than_the_search(monkeypatch):
         spent = time.perf_counter() - begin
         most = limit if options is None else options["time_limit"]
         assert min(limit - spent, most) <= left[-1] <= most
+
+
+@pytest.mark.parametrize("worse", ["lower", "upper"])
+def test_a_row_is_no_better_than_the_worse_of_its_ends(worse):
+    def end(load_factor, residual):
+        seen = SimpleNamespace(worst=("gap", residual))
+        return End(EndStatus.EXACT, load_factor, None, seen)
+
+    off = {"lower": 1e-12, "upper": 1e-12} | {worse: 3e-7}
+    interval = Interval(end(0.2, off["lower"]), end(0.3, off["upper"]))
+    row = coulomb._row(CertifiedMechanism(2, "path", interval, ()), 10.0)
+    assert row["residual"] == 3e-7
+    assert (row["low"], row["high"]) == (2.0, 3.0)
 
 
 @pytest.mark.parametrize("failing", ["lower_bound", "upper_bound"])
