@@ -101,7 +101,9 @@ def test_options_out_of_range_are_rejected(given):
         la.soil_range(pressed(), **given)
 
 
-def test_associated_flow_has_no_range():
+def test_associated_flow_has_no_range(monkeypatch):
+    """It is rejected before any solve."""
+    monkeypatch.setattr(soil, "_searched", None)
     with pytest.raises(la.InputError, match="flow of all bodies is associated"):
         la.soil_range(pressed(None))
 
