@@ -361,6 +361,18 @@ def test_joints_within_an_assembly_are_not_those_of_its_interface():
         assert turned.normal == pytest.approx(-found.normal)
 
 
+def test_all_blocks_at_a_plane_are_on_the_side_of_its_normal():
+    """Two blocks side by side, the second below the plane: its face would be pulled."""
+    low, high = ((0, 0, 0), (1, 1, 1)), ((2, 0, -1), (3, 1, 0))
+    above = {"one": box(*low), "two": box((2, 0, 0), (3, 1, 1))}
+    plane = la.RigidObstacle((0, 0, 0), (0, 0, 1))
+    found = touching(("b", on(2, 0)), plane, {"b": la.BlockAssembly3D(above, 0.5)})
+    assert found.normal == pytest.approx(np.tile([[0.0], [0.0], [1.0]], 2))
+    both_sides = la.BlockAssembly3D({"one": box(*low), "two": box(*high)}, 0.5)
+    with pytest.raises(la.InputError, match="points out of the body"):
+        touching(("b", on(2, 0)), plane, {"b": both_sides})
+
+
 def test_whole_faces_of_blocks_touch_where_they_are():
     """A box away from the origin: its contact points are the corners of its base."""
     bodies = {"b": la.BlockAssembly3D({"b": box((3, 4, 0.7), (6.5, 7, 2))}, 0.5)}
