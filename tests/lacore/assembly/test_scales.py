@@ -62,6 +62,16 @@ def wall(length, stress):
     )
 
 
+def beam(length, stress):
+    nodes = {"a": (0, 0), "m": (length, 0), "b": (2 * length, 0)}
+    members = {"left": ("a", "m"), "right": ("m", "b")}
+    return la.Problem(
+        {"b": la.Frame(nodes, members, 2 * stress * length**2)},
+        [la.PointForce("b", "m", (0, -stress * length))],
+        [la.Fix("b", end, "clamped") for end in "ab"],
+    )
+
+
 def film(length, stress):
     block = la.RigidBlock(rectangle(0, 2 * length, 0, length))
     floor = la.Interface(
@@ -92,6 +102,7 @@ EXPECTED = {  # length, stress, thickness for a length and a stress of 1
     # Its volume per area is the circumference at the middle radius.
     ring: (sqrt(0.5), 2 * sqrt(3), 2 * np.pi * 1.5),
     wall: (sqrt(2 * AREA), 4 / sqrt(2 * AREA), 1.0),  # with the weight of the base
+    beam: (2.0, sqrt(3) * 2 / 2**2, 1.0),  # the moment of its hinges by the square of its length
     film: (sqrt(AREA), 1.0, 1.0),
     solid: (cbrt(AREA), AREA / cbrt(AREA) ** 2, cbrt(AREA)),
 }

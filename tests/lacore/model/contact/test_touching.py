@@ -309,8 +309,8 @@ def test_points_count_as_touching_by_shares_of_the_size_of_the_body():
 
 def test_a_plane_is_drawn_as_long_as_a_box_is_wide_to_either_side():
     plane = la.RigidObstacle((5, 1), (0, 2)).face
-    found = plane.outline(np.array([0.0, 0.0]), np.array([3.0, 4.0]))
-    assert np.sort(found, axis=1) == pytest.approx(np.array([[1.5 - 5, 1.5 + 5], [1, 1]]))
+    found = plane.outline(np.array([1.0, -2.0]), np.array([4.0, 2.0]))
+    assert np.sort(found, axis=1) == pytest.approx(np.array([[2.5 - 5, 2.5 + 5], [1, 1]]))
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.5])
