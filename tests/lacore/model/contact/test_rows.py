@@ -1,5 +1,7 @@
 """Rows of contact points: what rigid motions and polynomial velocities make of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -386,6 +388,21 @@ def test_contact_along_a_straight_edge_and_a_curved_one_has_the_length_of_both()
     weights = la.discretise(problem).full.contact.weights
     curved = np.sqrt(2) / 4 + np.arcsinh(1) / 4
     assert weights.sum() == pytest.approx(0.5 + curved, abs=1e-4)
+
+
+def test_contact_along_parts_of_straight_edges_of_a_barrel_is_where_they_touch():
+    """Its sides are curved, and its two edges on top share the three edges of a body on it."""
+    stated = on_each_other(2, 3, la.meshes.quadrilaterals, "q2")
+    flat = stated.bodies["low"].mesh
+    barrel = la.meshes.isoparametric(
+        flat, lambda x: np.stack([x[0] * (1 + 0.4 * x[1] * (1 - x[1])), x[1]])
+    )
+    bodies = {**stated.bodies, "low": la.Body(barrel, CRITERION, space="q2")}
+    place = la.discretise(replace(stated, bodies=bodies)).points.position
+    ends = np.array([0, 1 / 3, 1 / 2, 2 / 3, 1])
+    wanted = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
+    assert np.sort(place[:, 0]) == pytest.approx(wanted)
+    assert place[:, 1] == pytest.approx(1.0)
 
 
 def test_weights_of_control_values_on_a_cone_are_integrals_of_their_functions():
