@@ -140,7 +140,8 @@ def upper_bound(
     again: on a lattice in each element the vertex rule of T22 is still above the integral of the
     convex dissipation, and much closer. Velocities of ``p2-gauss`` therefore have strict bounds as
     well, and often closer ones than those of ``p2-vertex``, because their objective is closer to
-    the bound.
+    the bound. Unlike a lower bound, it needs no `lent_cohesion`: velocities are admissible in
+    bodies without cohesion or tension as well, and a lent strength would only raise the bound.
 
     Args:
         problem: the problem, its discretisation, or a state found before.

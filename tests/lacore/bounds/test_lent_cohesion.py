@@ -54,6 +54,16 @@ def test_a_bracket_with_lent_cohesion():
     assert "a lent cohesion or tensile strength of 0.001 Pa" in found.message
 
 
+def test_an_upper_bound_needs_no_lent_cohesion():
+    """It is strict for the body as given, and a strength that is lent to it only raises it."""
+    own, lent = (
+        la.upper_bound(panel(criterion))
+        for criterion in (la.NoTension(CRUSHING), la.Rankine(1e-3, CRUSHING))
+    )
+    assert own.rigor is la.Rigor.UPPER
+    assert 0 < own.load_factor < lent.load_factor
+
+
 def test_what_cohesion_cannot_be_lent_to():
     with pytest.raises(la.InputError, match=r"^lent_cohesion = 0"):
         la.lower_bound(panel(la.NoTension(CRUSHING)), lent_cohesion=0.0)
