@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bounds.bracket import asking, marking, refine, starts
-from lacore.bounds.bracket.bracket import crossing, proven
+from lacore.bounds.bracket import asking, marking, refine
+from lacore.bounds.bracket.bracket import Bracket, crossing, proven
 from lacore.bounds.bracket.same_domain import difference
+from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
 from tests.lacore.models import CRITERION, deformable_block, punch
 
@@ -145,39 +146,14 @@ def test_parts_add_up_to_one():
     assert marking._parts(np.zeros(2)).tolist() == [0.0, 0.0]
 
 
-def test_slivers_and_fine_starts_are_rejected():
-    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
-    starts._check("problem", mesh, mesh.nelements)
-    with pytest.raises(la.InputError, match="max_elements"):
-        starts._check("problem", mesh, mesh.nelements - 1)
-    flat = type(mesh)(mesh.p * np.array([[1.0], [1e-3]]), mesh.t)
-    with pytest.raises(la.InputError, match="sliver"):
-        starts._check("problem", flat, 100)
-
-
-def test_a_lower_mesh_is_one_of_the_same_problem():
-    """Its domain and its water are those of the problem between vertices, too."""
-    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
-
-    def problem(*loads):
-        body = la.Body(mesh, CRITERION)
-        return la.Problem(
-            {"soil": body},
-            [la.Traction("soil", "top", (1, 0))],
-            [la.Fix("soil", "bottom")],
-            dead_loads=loads,
-        )
-
-    finer = la.meshes.rectangle((0, 1), (0, 1), 3, 3)
-    given = starts._given(problem(), finer)
-    assert given.bodies["soil"].mesh.nelements == finer.nelements
-    level = la.PorePressure("soil", lambda x: 2 - x[1])
-    starts._given(problem(level), finer)
-    with pytest.raises(la.InputError, match="other water between its vertices"):
-        starts._given(problem(la.PorePressure("soil", lambda x: x[0] ** 2)), finer)
-    larger = la.meshes.rectangle((0, 2), (0, 1), 3, 3)
-    with pytest.raises(la.InputError, match="covers another domain"):
-        starts._given(problem(), larger)
+@pytest.mark.parametrize(
+    ("geometries", "polygonal"), [(["exact"] * 2, False), (["exact", "approximated"], True)]
+)
+def test_one_curved_outline_makes_a_bracket_one_of_a_polygon(geometries, polygonal):
+    bodies = {str(i): SimpleNamespace(geometry=own) for i, own in enumerate(geometries)}
+    continua = {name: SimpleNamespace(body=body) for name, body in bodies.items()}
+    upper = SimpleNamespace(discretisation=SimpleNamespace(continua=continua))
+    assert Bracket.polygonal.fget(SimpleNamespace(upper_bound=upper)) == polygonal
 
 
 def test_processors_are_those_that_the_process_may_use(monkeypatch):
@@ -355,3 +331,50 @@ def test_a_failure_ends_a_bracket_unless_a_bound_was_found_before():
     run.failures.clear()
     run.absent["lower"] = run.absent["upper"] = "none on any mesh"
     assert run.ending([track()]) is la.Ending.NO_BOUND
+
+
+@pytest.mark.parametrize(
+    ("ending", "changes", "kinds"),
+    [
+        (la.Ending.REACHED, [{"too_fine": True}], []),
+        (la.Ending.MAX_ELEMENTS, [{"too_fine": True}], [Kind.BOUNDS_STOPPED]),
+        (
+            la.Ending.TIME_LIMIT,
+            [{"kinds": ("lower",)}, {"kinds": ("upper",), "late": 500}],
+            [Kind.BOUND_STOPPED, Kind.BOUND_STOPPED],
+        ),
+    ],
+)
+def test_sides_that_stopped_short_of_the_target_are_reported(bounds, ending, changes, kinds):
+    """With their elements and reasons; where the target is reached there is nothing to report."""
+    run = run_with()
+    run.best = dict(zip(("lower", "upper"), bounds, strict=True))
+    found = run.found(ending, [track(elements=128, **own) for own in changes])
+    assert found.status is ending
+    assert (found.lower, found.upper) == tuple(own.load_factor for own in bounds)
+    assert [own.kind for own in found.stops] == kinds
+    assert [own.where for own in found.stops] == [
+        own.get("kinds", ("lower", "upper")) for own in changes[: len(kinds)]
+    ]
+    for own, change in zip(found.stops, changes, strict=False):
+        assert own.values["elements"] == 128
+        why = own.values["why"]
+        if change.get("late"):
+            assert (why.kind, why.values["elements"]) == (Kind.NEXT_SOLVE_LATE, 500)
+        else:
+            assert (why == la.Ending.MAX_ELEMENTS.label) == change.get("too_fine", False)
+    assert not found.failures
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_side_without_a_bound_is_reported_as_failed(bounds, missing):
+    run = run_with()
+    kinds = ("lower", "upper")
+    run.best = dict(zip(kinds, bounds, strict=True))
+    run.best[kinds[missing]] = replace(bounds[missing], status=Status.NOT_CERTIFIED)
+    run.failures = dict.fromkeys(kinds)
+    run.solver = SimpleNamespace(backend="clarabel")
+    found = run.found(la.Ending.NO_BOUND, [track(elements=128)])
+    assert [(own.kind, own.where) for own in found.failures] == [
+        (Kind.BOUND_FAILED, (kinds[missing],))
+    ]

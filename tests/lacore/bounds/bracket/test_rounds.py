@@ -147,6 +147,25 @@ def test_the_mesh_that_leaves_more_to_gain_grows_by_more():
     assert (0.5 + 4 / other) / 4.5 * 1.3 == pytest.approx(0.97)
 
 
+@pytest.mark.parametrize("rate", [0.8, 1.3])
+def test_growths_reach_the_target_in_the_least_time(rate):
+    """Of all growths with errors ``sum e n^-p`` at the target, by search; times are ``(N n)^1.25``.
+
+    A tenth of the width, 2 targets, cannot be gained.
+    """
+    tracks = [SimpleNamespace(elements=n, rest=own) for n, own in ((100.0, 1.0), (300.0, 4.0))]
+    found = growths(tracks, 2.0, rate, apart=0.1)
+    errors = 0.9 * 2.0 * np.array([0.2, 0.8])
+    target = 0.97 * (1 - 0.1 * 2.0)
+    assert errors @ np.power(found, -rate) == pytest.approx(target)
+    one = np.linspace(1, 3.4, 100_001)
+    left = target - errors[0] * one**-rate
+    other = (errors[1] / np.where(left > 0, left, np.nan)) ** (1 / rate)
+    times = (100 * one) ** 1.25 + (300 * np.where(other >= 1, other, np.nan)) ** 1.25
+    best = np.nanargmin(times)
+    assert found == pytest.approx([one[best], other[best]], rel=1e-3)
+
+
 def test_widths_that_fall_slowly_take_more_elements():
     seen = np.log(1 / 0.3) / np.log(4)
     assert order([(100, 1.0), (400, 0.3)]) == pytest.approx((1 + seen) / 2)
@@ -200,3 +219,42 @@ def test_what_a_refinement_left_to_gain_is_told_by_the_last_two():
     # 2 gained at 3 times the elements left 1, of which 2 times the elements leave a half.
     assert replace(new, gains=(2.0, 0.1), times=(3.0, 2.0)).rest == pytest.approx(0.5)
     assert replace(new, gains=(2.0, 1.0), times=(3.0, 2.0)).rest == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("left", "options", "expected"),
+    [
+        (60.0, {}, 60.0),
+        (60.0, {"time_limit": 5.0}, 5.0),
+        (60.0, {"time_limit": 100.0}, 60.0),
+        (-60.0, {}, 1.0),
+    ],
+)
+@pytest.mark.parametrize("kind", ["lower", "upper"])
+def test_a_solve_has_the_time_that_is_left(monkeypatch, kind, left, options, expected):
+    """Or what the user gives it, if that is less; and a second where nothing is left."""
+    seen = []
+
+    def solved(*_, options, **__):
+        seen.append(options["time_limit"])
+
+    name = {"lower": "lower_bound", "upper": "solve"}[kind]
+    monkeypatch.setattr(asking, name, solved)
+    monkeypatch.setattr(asking, "upper_bound", lambda state: state)
+    solver = asking.Solver("clarabel", options, time.perf_counter() + left, 1)
+    solver._bound(asking.RequestedBound(kind, even_punch(), 1e-6), {})
+    assert seen == pytest.approx([expected], abs=1.0 if expected == 60 else 0.0)
+
+
+def test_a_repeated_solve_that_proves_nothing_is_not_taken(monkeypatch):
+    """Whatever its numbers are."""
+    bounds = iter([(la.Status.SOLVED, 1.0), (la.Status.NOT_CERTIFIED, 0.1)])
+
+    def bound(*_):
+        status, lost = next(bounds)
+        return SimpleNamespace(status=status, lost=lost)
+
+    monkeypatch.setattr(asking.Solver, "_bound", bound)
+    solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
+    loose = asking.RequestedBound("upper", even_punch(), 1e-6, affordable=0.1)
+    assert solver.answer(loose).bound.status is la.Status.SOLVED
