@@ -57,6 +57,23 @@ def test_a_state_is_scaled_to_its_strength(share):
     assert found.load_factor == pytest.approx(2 * RUBBING.load_factor, rel=1e-14)
 
 
+def test_a_soil_under_any_pressure_is_scaled_to_its_strength():
+    """Terms of a million strengths cancel to a strength; no digit of it is exceeded."""
+    program = soil().program
+    (group,) = program.groups
+    rng, count = np.random.default_rng(3), group.weights.size
+    for _ in range(20):
+        pressure = 10 ** rng.uniform(0, 6, count)
+        way = rng.normal(size=(count, 2))
+        strength = group.strength_at(-pressure) * rng.uniform(0.5, 1, count)
+        stress = way * (strength / np.linalg.norm(way, axis=1))[:, None]
+        at_rest = {"normal_reaction": np.zeros(0), "tangential_reaction": np.zeros((0, 1))}
+        state = replace(STATE, stress=(stress,), mean_stress=(-pressure,), **at_rest)
+        found = scaled(program, state)
+        assert beyond(program, found) <= 0
+        assert beyond(program, found) == pytest.approx(0, abs=1e-8)
+
+
 def test_a_state_without_load_is_scaled_to_nothing():
     found = scaled(PROGRAM, replace(STATE, load_factor=1e-12))
     assert found.load_factor == 0
@@ -298,6 +315,34 @@ def test_noise_is_relative_to_the_forces(unit):
     found = within_friction(program, replace(state, normal_reaction=pressed), 0.0)
     assert found.normal_reaction[:2].tolist() == [1e-6 * unit, 0.0]
     assert np.array_equal(found.normal_reaction[2:], pressed[2:])
+
+
+@pytest.mark.parametrize("kind", ["reference_load", "dead_load"])
+def test_reactions_are_noise_by_the_mean_traction_of_loads_that_cancel(kind):
+    """A billionth of 40 N on 1 m, as forces of either sign; what is larger stays."""
+    none = 0 * LIMITED.dead_load
+    loads = np.resize([1.0, -1.0], none.size)
+    loads *= {"reference_load": 4.0, "dead_load": 40.0}[kind] / np.abs(loads).sum()
+    program = replace(LIMITED, **({"reference_load": none, "dead_load": none} | {kind: loads}))
+    assert program.contact.weights.sum() == pytest.approx(1.0)
+    state = at(RUBBING, 0.1)
+    pressed = 0 * state.normal_reaction
+    pressed[:2] = 2e-8, 8e-8
+    for load_factor in (10.0, -10.0):
+        own = replace(state, load_factor=load_factor, normal_reaction=pressed)
+        found = within_friction(program, own, 0.0).normal_reaction
+        assert found.tolist() == [0.0, 8e-8, *pressed[2:]]
+
+
+@pytest.mark.parametrize("margin", [1e-4, 1e-2])
+def test_reactions_below_a_tenth_of_the_margin_are_noise(margin):
+    """By the largest reaction: strengths are reduced by the margin for them."""
+    pressed = RUBBING.normal_reaction.copy()
+    pressed[:2] = pressed.max() * margin * np.array([0.05, 0.2])
+    light = replace(LIMITED, dead_load=0 * LIMITED.dead_load)
+    state = replace(RUBBING, normal_reaction=pressed, load_factor=0.0)
+    found = within_friction(light, state, margin).normal_reaction
+    assert found.tolist() == [0.0, *pressed[1:]]
 
 
 def test_supports_allow_a_motion_in_the_span_of_what_they_leave_free():

@@ -1,12 +1,14 @@
 """Lower bounds of body forces that are linear in elements: quadratic stresses, looked at."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 from skfem import MeshTri
 from skfem.quadrature import get_quadrature
 
 import lacore as la
-from lacore.bounds.quadratic.bubbles import EDGES, Bubbles, bubble_power, bubbles
+from lacore.bounds.quadratic.bubbles import EDGES, Bubbles, _most, bubble_power, bubbles
 
 WEIGHT = la.Linear(-18e3, (300.0, 2e3), at=(0.0, 1.0))  # N/m^3, heavier below
 SOILS = {"clay": la.VonMises(40e3), "soil": la.MohrCoulomb(20e3, 20.0)}
@@ -83,6 +85,21 @@ def test_what_quadratic_stresses_use_is_the_most_of_them(edges):
     assert np.all(most <= used * (1 + EXACT))
     # Places are .01 apart, where their quadratic is stationary: 1e-4 of its largest control.
     assert np.all(most >= used - 1e-4 * np.abs(control).max(axis=(1, 2)))
+
+
+@pytest.mark.parametrize(
+    "edges", [(1.0, 1.2, 1.4), (1.0, 1.0, 1.0), (1.0, 1.0, 3.0), (0.0, 1.0, 2.0), (5.0, 0.0, 0.0)]
+)
+def test_bubbles_of_any_edges_are_largest_on_an_edge_or_inside(edges):
+    """By search over the triangle, in every order of the edges, and in any unit."""
+    places = np.stack(np.meshgrid(*[np.linspace(0, 1, 301)] * 2), axis=-1).reshape(-1, 2)
+    places = np.column_stack([places, 1 - places.sum(axis=1)])[places.sum(axis=1) <= 1]
+    for order in permutations(edges):
+        bubble = sum(
+            f * places[:, a] * places[:, b] for f, (a, b) in zip(order, EDGES, strict=True)
+        )
+        found = _most(np.array([order, 1e3 * np.array(order)]))
+        assert found == pytest.approx(bubble.max() * np.array([1, 1e3]), rel=1e-4)
 
 
 LOADS = {

@@ -13,8 +13,10 @@ from lacore.bounds.stresses.attempt import Attempt
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.program.certificate import certify
 from lacore.program.kinematic import associated_contact
+from lacore.reporting.findings import Finding, Severity
+from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
-from tests.lacore.models import CRITERION
+from tests.lacore.models import CRITERION, cantilever
 from tests.lacore.planted import flowing, flowing_field, on_free_unknowns
 
 FLOWING = flowing()
@@ -98,6 +100,20 @@ def test_a_load_factor_is_taken_where_strengths_were_reduced_for_it(monkeypatch,
     )
     assert la.lower_bound(problem).load_factor == found[-1]
     assert seen == pytest.approx(asked)
+
+
+@pytest.mark.parametrize("claimed", [Status.NOT_CERTIFIED, Status.UNSAFE])
+def test_a_claim_without_proof_proves_no_lower_bound(monkeypatch, claimed):
+    """Without stresses there is no residual to report, only why the claim is not proven."""
+    refuted = Finding(Kind.NO_STRESSES, severity=Severity.REASON)
+    monkeypatch.setattr(lower_module, "prove_claim", lambda *given: (claimed, refuted, None))
+    heavy = replace(cantilever(), dead_loads=[la.BodyForce("block", (0, -10.0))])
+    bound = la.lower_bound(heavy)
+    assert (bound.status, bound.rigor) == (claimed, la.Rigor.NOT_CERTIFIED)
+    assert bound.certificate is bound.point is bound.ray is None
+    assert np.isnan(bound.load_factor)
+    assert np.isnan(bound.lost)
+    assert bound.findings == (refuted,)
 
 
 @pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])

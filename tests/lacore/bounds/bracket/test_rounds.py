@@ -9,7 +9,7 @@ import pytest
 
 import lacore as la
 from lacore.bounds.bracket import asking, refine
-from lacore.bounds.bracket.track import Track, growths, order
+from lacore.bounds.bracket.track import Track, _in_steps, growths, order
 from tests.lacore.bounds.bracket.test_adaptivity import even_punch
 from tests.lacore.models import CRITERION
 
@@ -145,6 +145,15 @@ def test_the_mesh_that_leaves_more_to_gain_grows_by_more():
     one, other = growths([few, many], 1.3, 1.0)
     assert one == 1.0
     assert (0.5 + 4 / other) / 4.5 * 1.3 == pytest.approx(0.97)
+
+
+@pytest.mark.parametrize(
+    ("whole", "steps"),
+    [([9.0, 4.0], [3, 2]), ([4.0, 9.0], [2, 3]), ([27.0, 1.0], [3, 1]), ([1e9, 1e9], [3.4, 3.4])],
+)
+def test_meshes_grow_in_even_steps_of_which_the_largest_is_allowed(whole, steps):
+    """No mesh has more than 3.4 times the elements of the last one, whatever it takes in all."""
+    assert _in_steps(np.array(whole)) == pytest.approx(steps, rel=0.01)
 
 
 @pytest.mark.parametrize("rate", [0.8, 1.3])

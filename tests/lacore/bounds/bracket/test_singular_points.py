@@ -68,6 +68,12 @@ def test_a_free_edge_of_heavy_soil_without_cohesion_is_not_singular(share, count
     assert places(pressed) == [[1.0, 1.0]]  # Its edge is not free.
 
 
+@pytest.mark.parametrize("criterion", [la.Rankine(1e-6), la.Rankine(1e-6, 1e9)], ids=str)
+def test_a_free_edge_that_fails_in_tension_alone_is_not_loose(criterion):
+    """Its strength in compression has no limit, or a large one, however small that in tension."""
+    assert places(strip(criterion, weight=50.0)) == [[1.0, 1.0]]
+
+
 @pytest.mark.parametrize(("angle", "times"), [(0.0, 1.0), (20.0, 2.6), (30.0, 3.7)])
 @pytest.mark.parametrize("width", [0.1, 0.01, 1e-3])
 def test_sectors_cost_less_than_half_of_the_width_and_not_much_less(angle, times, width):

@@ -5,6 +5,7 @@ import pytest
 
 import lacore as la
 from lacore.bounds.bracket import starts
+from lacore.bounds.bracket.whole import in_bounding_spaces
 from tests.lacore.models import CRITERION, punch
 
 SAND, OBSTACLE = la.MohrCoulomb(1.0, 20.0), la.RigidObstacle()
@@ -94,3 +95,34 @@ def test_a_lower_mesh_is_one_of_the_same_problem():
     larger = la.meshes.rectangle((0, 2), (0, 1), 3, 3)
     with pytest.raises(la.InputError, match="covers another domain"):
         starts._given(problem(), larger)
+
+
+CONE, STEEP = la.DruckerPrager(1.0, 20.0), la.DruckerPrager(1.0, 60.0, "compression")
+PRESSED = la.RigidFooting("b", "top", (0, 0, -1))
+SMOOTH = la.RigidFooting("b", "top", (0, 0, -1), rough=False)
+TWISTED = la.Twist("b", "top", (0, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ("criterion", "components", "load", "law", "separates"),
+    [
+        (CRITERION, "x", PRESSED, la.SMOOTH, True),
+        (CONE, "xyz", PRESSED, None, True),
+        (CONE, "normal", SMOOTH, None, True),
+        (CONE, "x", PRESSED, None, False),
+        (CONE, "xyz", TWISTED, None, False),
+        (CONE, "xyz", PRESSED, la.SMOOTH, False),
+        (STEEP, "xyz", PRESSED, None, False),
+    ],
+)
+def test_soil_in_space_is_cut_where_it_can_separate_from_all_that_holds_it(
+    criterion, components, load, law, separates
+):
+    """Slip of soil dilates: not along a face that is held in its plane only (T94)."""
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    body = la.Body(mesh, criterion, kinematics="3d", space="p2-vertex")
+    held = [la.Fix("b", "bottom", components), la.Fix("b", "back", "xyz")]
+    contact = [] if law is None else [la.Interface(("b", "left"), OBSTACLE, law)]
+    problem = la.Problem({"b": body}, [load], held, contact)
+    space = in_bounding_spaces(problem).bodies["b"].space
+    assert space == ("p2-disc" if separates else "p2-vertex")
