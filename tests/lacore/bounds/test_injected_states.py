@@ -11,11 +11,13 @@ from lacore.bounds import lower as lower_module
 from lacore.bounds import upper as upper_module
 from lacore.bounds.stresses.attempt import Attempt
 from lacore.bounds.velocity_projection import admissible_velocity
+from lacore.limit.conversion import point_in_program
 from lacore.program.certificate import certify
-from lacore.program.kinematic import associated_contact
+from lacore.program.kinematic import associated_contact, dimensionless
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
+from tests.lacore.bounds.test_admissible_states import soil
 from tests.lacore.models import CRITERION, cantilever
 from tests.lacore.planted import flowing, flowing_field, on_free_unknowns
 
@@ -67,6 +69,14 @@ def test_stresses_that_violate_one_law_prove_no_lower_bound(wrong, nan):
     assert not attempt_with(**(dict.fromkeys(wrong, np.nan) if nan else wrong)).proves
 
 
+def varying_weight():
+    """A weight that varies in elements, which needs quadratic stresses."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1)
+    weight = la.Linear(-1.0, (0.5, 0.0), at=(0.0, 0.0))
+    loads, supports = [la.BodyForce("b", (0.0, weight))], [la.Fix("b", "bottom")]
+    return la.Problem({"b": la.Body(mesh, CRITERION)}, loads, supports)
+
+
 @pytest.mark.parametrize(
     ("found", "asked"),
     [
@@ -91,15 +101,25 @@ def test_a_load_factor_is_taken_where_strengths_were_reduced_for_it(monkeypatch,
 
     monkeypatch.setattr(lower_module, "_solved", scripted)
     monkeypatch.setattr(lower_module, "_bound", lambda solved, *given: solved)
-    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1)
-    weight = la.Linear(-1.0, (0.5, 0.0), at=(0.0, 0.0))
-    problem = la.Problem(
-        {"b": la.Body(mesh, CRITERION)},
-        [la.BodyForce("b", (0.0, weight))],
-        [la.Fix("b", "bottom")],
-    )
-    assert la.lower_bound(problem).load_factor == found[-1]
+    assert la.lower_bound(varying_weight()).load_factor == found[-1]
     assert seen == pytest.approx(asked)
+
+
+@pytest.mark.parametrize("status", [Status.UNSAFE, Status.LOCKED, Status.NOT_CERTIFIED])
+def test_a_solve_with_reduced_strengths_that_fails_is_reported_as_such(monkeypatch, status):
+    """It has no load factor for which strengths could have been reduced too little."""
+    solves = iter([(Status.SOLVED, 1.0), (status, np.nan)])
+
+    def scripted(*given):
+        status, load_factor = next(solves)
+        return SimpleNamespace(status=status, load_factor=load_factor)
+
+    def bound(solved, backend, options, settled, notes):
+        return SimpleNamespace(checked=lambda throw: (solved.status, settled))
+
+    monkeypatch.setattr(lower_module, "_solved", scripted)
+    monkeypatch.setattr(lower_module, "_bound", bound)
+    assert la.lower_bound(varying_weight()) == (status, True)
 
 
 @pytest.mark.parametrize("claimed", [Status.NOT_CERTIFIED, Status.UNSAFE])
@@ -145,3 +165,16 @@ def test_contact_that_opens_stays_open(speed):
     d, _ = FLOWING
     lifted = on_free_unknowns(d, lambda x: flowing_field(x) + np.array([[0.0], [speed]]))
     assert np.allclose(admissible_velocity(d.program, lifted), lifted, rtol=0, atol=1e-9)
+
+
+def test_soil_that_strains_is_not_rigid():
+    """Parts that are taken for rigid prove a bound if their strains are round-off, else none."""
+    d = soil()
+    state = la.solve(d)
+    program = dimensionless(d.program, d.natural)
+    point = point_in_program(d, state.point)
+    found = upper_module._bound(state, program, point, np.array([True]))
+    (group,) = d.full.groups
+    rates = np.linalg.norm(group.cone_vectors(found.velocity), axis=1)
+    assert found.status is Status.NOT_CERTIFIED
+    assert found.divergence == pytest.approx(group.weights @ rates / np.abs(found.velocity).max())

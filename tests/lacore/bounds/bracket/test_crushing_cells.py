@@ -140,6 +140,20 @@ def test_cells_that_make_hardly_any_difference_stay(speed, cut):
 
 
 @pytest.mark.parametrize("turn", TURNS)
+def test_motions_of_all_blocks_together_crush_nothing(turn):
+    """A joint sees the motion of one block relative to the other."""
+    body, law = blocks(turn)
+    rocking = moving(body, "b0", (0.8, 0, 0), (0, 0.2, 0), (0, 1, 0), turn)
+    together = sum(
+        moving(body, name, (0.3, 5.0, -2.0), (0.7, -0.2, 0.4), (0.5, 2.0, -0.3), turn)
+        for name in body.names
+    )
+    area, middle = places(finer(body, law, [rocking + together] * 2), turn)
+    assert area == pytest.approx([0.7, 0.3])
+    assert middle == pytest.approx(np.array([[0.35, 0.5], [0.85, 0.5]]))
+
+
+@pytest.mark.parametrize("turn", TURNS)
 def test_rates_of_crushing_are_those_of_closing_and_of_slip(turn):
     """``mu ||slip|| - opening`` at corners and centroids, and its slope by differences."""
     body, _ = blocks(turn, whole=False)

@@ -9,6 +9,7 @@ import lacore as la
 from lacore.bounds.bracket.marking import lower_shares, shares_of, upper_shares
 from lacore.bounds.upper import plastic_power
 from tests.lacore.assembly.test_slips import sheared
+from tests.lacore.models import punch
 
 
 @pytest.mark.parametrize("rate", [1.0, -0.5])
@@ -48,3 +49,15 @@ def test_meshes_on_which_nothing_was_found_are_refined_evenly():
         assert shares_of(last, ["block"], count).tolist() == lower_shares(lower, "block").tolist()
     for last in ({"lower": unsafe, "upper": upper}, {"upper": upper}):
         assert shares_of(last, ["block"], count).tolist() == upper_shares(upper, "block").tolist()
+
+
+def test_most_of_a_shared_mesh_is_refined_for_the_gap():
+    """And some of it where the stresses of the lower bound cannot follow."""
+    problem = punch()
+    upper, lower = la.upper_bound(problem), la.lower_bound(problem)
+    gap = np.maximum(la.gap_identity(upper, lower).elements["soil"], 0.0)
+    rest = shares_of({"upper": upper, "lower": lower}, ["soil"], gap.size) - gap / gap.sum()
+    assert rest.min() >= -1e-12
+    assert 0.1 < rest.sum() < 0.5
+    own = lower_shares(lower, "soil")
+    assert rest / rest.sum() == pytest.approx(own / own.sum(), abs=1e-9)
