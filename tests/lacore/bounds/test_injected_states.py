@@ -178,3 +178,17 @@ def test_soil_that_strains_is_not_rigid():
     rates = np.linalg.norm(group.cone_vectors(found.velocity), axis=1)
     assert found.status is Status.NOT_CERTIFIED
     assert found.divergence == pytest.approx(group.weights @ rates / np.abs(found.velocity).max())
+
+
+@pytest.mark.parametrize(
+    ("status", "with_point"),
+    [(Status.NOT_CERTIFIED, False), (Status.UNSAFE, True), (Status.LOCKED, True)],
+)
+def test_a_state_without_a_limit_state_has_no_upper_bound(status, with_point):
+    """Its status is that of the bound, whether or not a point was kept."""
+    d, _ = FLOWING
+    state = replace(la.solve(d), status=status, load_factor=np.nan)
+    bound = la.upper_bound(state if with_point else replace(state, point=None))
+    assert (bound.status, bound.rigor) == (status, la.Rigor.NOT_CERTIFIED)
+    assert np.isnan(bound.load_factor)
+    assert np.isnan(bound.velocity).all()

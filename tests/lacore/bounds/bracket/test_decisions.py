@@ -1,5 +1,6 @@
 """Decisions of a bracket on bounds and meshes that are made up."""
 
+import time
 from dataclasses import replace
 from math import inf, nan
 from types import SimpleNamespace
@@ -378,3 +379,13 @@ def test_a_side_without_a_bound_is_reported_as_failed(bounds, missing):
     assert [(own.kind, own.where) for own in found.failures] == [
         (Kind.BOUND_FAILED, (kinds[missing],))
     ]
+
+
+@pytest.mark.parametrize(("seconds", "late"), [(4.0, False), (6.0, True)])
+def test_a_solve_that_takes_more_than_the_time_that_is_left_is_not_begun(seconds, late):
+    """In proportion to the elements: 10 s are left, and the next mesh has twice as many."""
+    finer = punch(4, 2)
+    before = track(seconds=seconds, elements=finer.bodies["soil"].mesh.nelements / 2)
+    run = run_with(9.0, 11.0)
+    run.solver = SimpleNamespace(deadline=time.perf_counter() + 10)
+    assert run.too_late(before, finer) == late
