@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from skfem import MeshTri
 
 import lacore as la
 from lacore.assembly.discretise import discretise
@@ -13,6 +14,7 @@ from lacore.bounds import upper as upper_module
 from lacore.bounds.bracket.singular_points import friction_of
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import _matched
+from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.limit.conversion import point_in_program
@@ -177,3 +179,39 @@ def test_quadratic_stresses_take_strength_in_proportion_to_their_load(name):
     assert taken(0.5) == pytest.approx((0.5 if live else 1.0) * taken(1.0))
     assert taken(-0.5) == pytest.approx(taken(0.5))
     assert taken(0.0) == pytest.approx(0.0 if live else taken(1.0))
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_natural_lengths_are_those_of_a_square_or_a_cube_as_large(size):
+    """Of unit thickness in the plane."""
+    flat = la.meshes.rectangle((0, 4 * size), (0, size), 4, 1)
+    solid = la.meshes.box((0, 4 * size), (0, size), (0, 2 * size), 1, 1, 1)
+    for mesh, kinematics, load, thickness in (
+        (flat, "plane_strain", (1, 0), 1.0),
+        (solid, "3d", (1, 0, 0), 2 * size),
+    ):
+        body = la.Body(mesh, CRITERION, kinematics=kinematics)
+        loads, supports = [la.BodyForce("b", load)], [la.Fix("b", "bottom")]
+        natural = static_model(la.Problem({"b": body}, loads, supports)).natural
+        assert (natural.length, natural.thickness) == pytest.approx((2 * size, thickness))
+
+
+@pytest.mark.parametrize("size", [1e-5, 1.0, 1e5])
+@pytest.mark.parametrize(("rise", "fixed"), [(0.0, True), (0.1, False), (-0.1, False)])
+def test_a_shear_that_ends_in_line_between_two_elements_needs_two_stresses(size, rise, fixed):
+    """Two triangles whose outer edges are in line, or not: whatever their size."""
+    corners = np.array([[-1, 0], [0, rise], [1, 0], [0, -1]], dtype=float).T
+    mesh = MeshTri(size * corners, np.array([[0, 1, 3], [1, 2, 3]]).T).with_boundaries(
+        {
+            "sheared": lambda x: (x[0] < 0) & (x[1] > -0.25 * size),
+            "held": lambda x: x[1] < -0.25 * size,
+        }
+    )
+    loads, supports = [la.Traction("b", "sheared", (1, 0))], [la.Fix("b", "held")]
+    problem = la.Problem({"b": la.Body(mesh, CRITERION)}, loads, supports)
+    if not fixed:
+        static_model(problem)
+        return
+    with pytest.raises(CornerError) as found:
+        static_model(problem)
+    assert found.value.elements == [0, 1]

@@ -12,6 +12,7 @@ import lacore as la
 from lacore.bounds.bracket import asking, marking, refine
 from lacore.bounds.bracket.bracket import Bracket, crossing, proven
 from lacore.bounds.bracket.same_domain import difference
+from lacore.bounds.bracket.track import Track
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
 from tests.lacore.models import CRITERION, deformable_block, punch
@@ -389,3 +390,19 @@ def test_a_solve_that_takes_more_than_the_time_that_is_left_is_not_begun(seconds
     run = run_with(9.0, 11.0)
     run.solver = SimpleNamespace(deadline=time.perf_counter() + 10)
     assert run.too_late(before, finer) == late
+
+
+@pytest.mark.parametrize(
+    ("allowed", "ending"), [(True, la.Ending.TIME_LIMIT), (False, la.Ending.MAX_ELEMENTS)]
+)
+def test_a_mesh_that_takes_too_long_or_is_too_fine_is_not_solved(allowed, ending):
+    run = run_with(9.0, 11.0)
+    finer = punch(4, 2)
+    run.growths = lambda tracks, open_: [2.0]
+    run.refined = lambda track, times: finer if allowed else None
+    run.too_late = lambda track, problem: True
+    run.solved = lambda moves: [] if not moves else pytest.fail("it was solved")
+    (after,) = run.advanced([Track(("lower", "upper"), punch(2, 2))])
+    assert after.late == (finer.bodies["soil"].mesh.nelements if allowed else 0)
+    assert after.too_fine != allowed
+    assert run.ending([after]) is ending
