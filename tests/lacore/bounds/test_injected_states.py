@@ -192,3 +192,48 @@ def test_a_state_without_a_limit_state_has_no_upper_bound(status, with_point):
     assert (bound.status, bound.rigor) == (status, la.Rigor.NOT_CERTIFIED)
     assert np.isnan(bound.load_factor)
     assert np.isnan(bound.velocity).all()
+
+
+@pytest.mark.parametrize(
+    ("status", "rigor", "has_state", "criterion", "kinds"),
+    [
+        (Status.UNSAFE, la.Rigor.NOT_CERTIFIED, False, CRITERION, [Kind.NO_STRESSES]),
+        (Status.LOCKED, la.Rigor.NOT_CERTIFIED, False, CRITERION, []),
+        (Status.NOT_CERTIFIED, la.Rigor.NOT_CERTIFIED, False, CRITERION, []),
+        (
+            Status.NOT_CERTIFIED,
+            la.Rigor.NOT_CERTIFIED,
+            True,
+            CRITERION,
+            [Kind.STRESSES_NOT_ADMISSIBLE, Kind.COARSE_TOLERANCE],
+        ),
+        (
+            Status.NOT_CERTIFIED,
+            la.Rigor.NOT_CERTIFIED,
+            True,
+            la.MohrCoulomb(1e-9, 30.0),
+            [Kind.STRESSES_NOT_ADMISSIBLE, Kind.STRENGTH_TOO_SMALL],
+        ),
+        (Status.SOLVED, la.Rigor.LOWER, True, CRITERION, [Kind.ADMISSIBLE_STRESSES]),
+        (
+            Status.SOLVED,
+            la.Rigor.DISCRETE,
+            True,
+            CRITERION,
+            [Kind.ADMISSIBLE_STRESSES, Kind.POLYGON],
+        ),
+    ],
+)
+@pytest.mark.parametrize("message", ["", "slow progress"])
+def test_a_lower_bound_reports_what_is_proven_or_lacking(
+    status, rigor, has_state, criterion, kinds, message
+):
+    """A negligible cohesion is not a matter of tolerances or meshes; other stresses are."""
+    body = la.Body(la.meshes.rectangle((0, 1), (0, 1), 1, 1), criterion)
+    full = SimpleNamespace(dead_load=np.array([1.0, -1.0]))
+    model = SimpleNamespace(full=full, continua={"b": SimpleNamespace(body=body)})
+    inner = SimpleNamespace(message=message, native_status="")
+    after = attempt_with().after if has_state else None
+    last = SimpleNamespace(after=after, inner=inner)
+    found = lower_module._findings(model, status, rigor, last)
+    assert [own.kind for own in found] == [*kinds, *([Kind.BACKEND] if message else [])]

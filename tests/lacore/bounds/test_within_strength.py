@@ -111,8 +111,10 @@ def test_stresses_come_within_strengths_that_leave_room(solved):
     )  # as stiff as _STIFF_LOAD
 
 
-def test_stresses_within_strengths_stay(solved):
+@pytest.mark.parametrize("times", [0.5, 1.5])
+def test_stresses_within_strengths_or_far_beyond_stay(solved, times):
+    """Far beyond them a solver has found nothing."""
     program, answer = solved
-    half = replace(answer.point, stress=tuple(0.5 * stress for stress in answer.point.stress))
-    with onto_equilibrium(program, half, alike) as nearest:
-        assert within_strength(program, program, half, nearest, 0.0, 0.0) is half
+    state = replace(answer.point, stress=tuple(times * stress for stress in answer.point.stress))
+    with onto_equilibrium(program, state, alike) as nearest:
+        assert within_strength(program, program, state, nearest, 0.0, 0.0) is state

@@ -265,6 +265,14 @@ def test_lengths_of_boundaries_that_differ_are_in_metres():
     assert why == "its boundary 'top' lies elsewhere (lengths 5 and 10)"
 
 
+def test_boundaries_without_names_are_elsewhere_only_by_their_outline():
+    """Names that one mesh lacks are no difference."""
+    mesh = la.meshes.rectangle((0, 10), (0, 10), 2, 2)
+    plain = type(mesh)(mesh.p, mesh.t)
+    for one, other in ((mesh, plain), (plain, mesh), (plain, plain)):
+        assert difference(la.Body(one, CRITERION), la.Body(other, CRITERION)) == ""
+
+
 @pytest.mark.parametrize("coulomb", [False, True])
 def test_growths_count_what_refinement_can_gain(monkeypatch, coulomb):
     """The part of the width that refinement of the open tracks does not remove."""
