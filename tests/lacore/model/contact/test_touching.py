@@ -229,6 +229,20 @@ def test_roundings_that_fit_exactly_are_accepted():
         outline([(0, 0), (1, 0), (1, 2), (0, 2)], rounding=[0.501, 0.501, 0, 0])
 
 
+@pytest.mark.parametrize("swapped", [False, True])
+def test_the_larger_of_two_bodies_sets_the_round_off_of_places(swapped):
+    """A small block on a large one, apart by less than the round-off of the latter."""
+    large = block(-500, 500, -1000, 0)
+    gap = large.allowed / 2
+    small = block(0, 1, gap, 1 + gap)
+    assert small.allowed < gap
+    bodies = {"large": large, "small": small}
+    sides = (("small", "block"), ("large", "block"))
+    found = touching(*(sides[::-1] if swapped else sides), bodies)
+    length = np.linalg.norm(found.end - found.start, axis=0).sum()
+    assert length == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize(
     ("rounding", "named"),
     [([0.1, 0.8, 0.9, 0.2], (0.8, 0.9)), ([0.9, 0.1, 0.2, 0.8], (0.8, 0.9))],
