@@ -36,6 +36,7 @@ def changed(source):
         ("np.where(a, b, 3.0)", {"np.where(a, b, 3000.0)"}),
         ("np.full(n, -1.0)", set()),
         ("_TRIED = (1.0, 2.0)", set()),
+        ("_SHARES: tuple[float, ...] = (0.1, 0.2)", set()),
         ("_GOOD, _MOST = 1.0, 2.0", {"_GOOD, _MOST = 1000.0, 2.0", "_GOOD, _MOST = 1.0, 2000.0"}),
         ("np.full(n, -2.0)", {"np.full(n, (2.0))", "np.full(n, -2000.0)"}),
         ("a.max(initial=0.0)", {"a.min(initial=0.0)"}),

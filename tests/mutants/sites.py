@@ -191,7 +191,10 @@ def _is_mark(node: ast.AST) -> TypeGuard[ast.Call]:
 def _is_series(node: ast.AST) -> bool:
     """Return whether a node is ``_SHARES = (0.1, 0.2)``, numbers that are tried one by one."""
     match node:
-        case ast.Assign(targets=[ast.Name()], value=ast.Tuple(elts=parts)):
+        case (
+            ast.Assign(targets=[ast.Name()], value=ast.Tuple(elts=parts))
+            | ast.AnnAssign(value=ast.Tuple(elts=parts))
+        ):
             return all(isinstance(own, ast.Constant) for own in parts)
     return False
 

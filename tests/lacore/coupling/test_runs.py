@@ -3,11 +3,13 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from lacore.coupling.fixed_point import fixed_point
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Run
-from lacore.program.kinematic import reaction_contact
+from lacore.program.kinematic import family_contact, reaction_contact
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
 from tests.lacore.planted import sliding
@@ -66,3 +68,22 @@ def test_another_program_is_prepared_and_closed_again():
     assert (stated_solver.solves, stated_solver.closed) == (1, False)
     run_of(own).solve("K", CONTACT, program=stated)
     assert own.solves == 1
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.25, 1.0])
+def test_a_fixed_point_loop_freezes_the_friction_of_its_start_first(kappa):
+    """Reactions of 0.8 and speeds of 3: each is divided by its size, and multiplied again."""
+    faster = replace(STATE, velocity=3 * STATE.velocity)
+    frozen, rows = [], D.program.contact
+
+    def solve(kind, contact):
+        frozen.append(contact)
+        return SimpleNamespace(inner=SimpleNamespace(point=None, status=Status.TIME_LIMIT))
+
+    run = SimpleNamespace(program=D.program, exhausted=False, solve=solve, finish=lambda own: own)
+    fixed_point(run, "K", kappa, faster, None)
+    slip = np.linalg.norm(rows.slip(faster.velocity), axis=1)
+    assert slip == pytest.approx(3.0)
+    exact = family_contact(rows, kappa, STATE.normal_reaction, slip)
+    assert frozen[0].bound == pytest.approx(exact.bound)
+    assert frozen[0].shift == pytest.approx(exact.shift)

@@ -195,7 +195,7 @@ def test_a_block_slides_where_friction_is_that_of_the_load(pressure, exact):
     assert times.to_numpy() == pytest.approx(exact, rel=1e-5)
     assert "friction of interfaces as well" in repr(found)
     if exact < 1:
-        with pytest.raises(la.InputError, match=r"friction decides.*interfaces=True"):
+        with pytest.raises(la.InputError, match=r" [1-9]\d* times.*decides.*interfaces=True"):
             la.safety_factor(problem)
 
 
@@ -226,6 +226,7 @@ def test_what_is_not_divided_is_named():
     problem = cut(1.0, la.VonMises(2.0), cells=1)
     found = la.safety_factor(problem, tolerance=0.5)
     assert "strength of all bodies" in repr(found)
+    assert "interfaces" not in repr(found)  # there are none
     held = [*problem.supports, la.Fix("mast", "A", "clamped")]
     beside = replace(problem, bodies={**problem.bodies, "mast": frame}, supports=held)
     assert "strength of soil; mast as stated" in repr(replace(found, problem=beside))

@@ -89,7 +89,7 @@ def test_each_share_is_searched_twice(found):
 @pytest.mark.parametrize(
     "given",
     [
-        *({"shares": shares} for shares in ((), (0.0,), (1.1,), ("1",))),
+        *({"shares": shares} for shares in ((), (0.0,), (1.1,), ("1",), (1.0, 1.1), (0.5, "1"))),
         {"tolerance": 0.0},
         {"time_limit": -1.0},
     ],
@@ -113,7 +113,8 @@ def made_up(load_factor, point=True, certificate=True):
     state = SimpleNamespace(load_factor=load_factor)
     proof = SimpleNamespace(worst=("gap", 1e-6), gap=1e-7) if certificate else None
     inner = SimpleNamespace(point=state if point else None, status=Status.LOCKED)
-    final = SimpleNamespace(state=state, certificate=proof) if point else None
+    final = SimpleNamespace(state=state if load_factor else None, certificate=proof)
+    final = final if point else None
     return SoilFound(0.5, "settled", SimpleNamespace(inner=inner), (inner,) * 3, final)
 
 
@@ -126,6 +127,7 @@ def made_up(load_factor, point=True, certificate=True):
         (made_up(2.0 * (1 + 1e-5)), "refused"),
         (made_up(1.0, certificate=False), "not certified"),
         (made_up(np.nan, point=False), "locked"),
+        (made_up(None, certificate=False), "not certified"),  # its last solve has no state
     ],
 )
 def test_a_search_above_the_bound_of_all_load_factors_proves_nothing(given, status):
