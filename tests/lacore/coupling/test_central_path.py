@@ -29,6 +29,7 @@ from lacore.reporting.status import Status
 from lacore.solvers.backend import find_backend, read_options
 from lacore.solvers.inner.preparing import preparer
 from tests.coulomb_checker import accepts, residuals
+from tests.lacore.planted import sliding
 from tests.rigid_problems import incline
 from tests.statements import stated
 
@@ -364,6 +365,7 @@ def test_only_blocks_without_dilation_and_of_finite_friction_are_taken(run):
         assert not poses(replace(run.program, contact=replace(rows, **change)))
     closing = replace(rows, closing=0.1 + nothing)
     assert not poses(replace(run.program, contact=closing))
+    assert not poses(sliding()[0].program)  # its body deforms, and has the same friction
 
 
 @pytest.mark.slow
