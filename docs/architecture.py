@@ -17,14 +17,14 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))  # run as a script from anywhere
 
 from tests.test_layers import (  # noqa: E402
-    HOUSES,
     LACORE,
     MECHANICS_WING,
+    ORDERS,
     PLACES,
     SOLVER_WING,
     layers,
     module_of,
-    rooms_seen,
+    packages_seen,
 )
 
 LAYERS = {
@@ -45,50 +45,50 @@ _FONT = "font-family='Helvetica, Arial, sans-serif'"
 _ROW, _COLUMN, _NAME, _TEXT = 17, 13, 106, 532  # px: cells of the matrix, names, purposes
 
 
-def imported(house: str) -> dict[str, set[str]]:
+def imported(top: str) -> dict[str, set[str]]:
     """Return what each package imports, anywhere in its files, in the order of the packages."""
-    found: dict[str, set[str]] = {name: set() for name in HOUSES[house]}
-    for path in PLACES[house].rglob("*.py"):
+    found: dict[str, set[str]] = {name: set() for name in ORDERS[top]}
+    for path in PLACES[top].rglob("*.py"):
         own = module_of(path).split(".")[1]
         if own in found:  # not __init__.py of the top-level package
-            found[own] |= rooms_seen(path, house) - {own}
+            found[own] |= packages_seen(path, top) - {own}
     return found
 
 
-def purpose(house: str, name: str) -> str:
+def purpose(top: str, name: str) -> str:
     """Return the first sentence of the docstring of a package."""
-    place = PLACES[house] / name
+    place = PLACES[top] / name
     file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
     text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
     first = text.partition("\n")[0]
     return first.partition(". ")[0].rstrip(".").replace("`", "")
 
 
-def colour(name: str, house: str) -> str:
+def colour(name: str, top: str) -> str:
     """Return the colour of the layer of a package."""
-    if house != "lacore":
+    if top != "lacore":
         return _OTHER
     return next(COLOURS[layer] for layer, names in LAYERS.items() if name in names)
 
 
-def matrix(house: str) -> str:
+def matrix(top: str) -> str:
     """Return an SVG with one row per package, and dots in the columns of what it imports."""
-    needs = imported(house)
-    rooms, count = list(needs), len(needs)
+    needs = imported(top)
+    packages, count = list(needs), len(needs)
     wide, high = _NAME + count * _COLUMN + 12 + _TEXT, (count + 1) * _ROW + _NAME
     drawn = []
-    for row, name in enumerate(reversed(rooms)):
-        y, own = (row + 0.5) * _ROW + 8, rooms.index(name)
-        drawn.append(_box(0, y - _ROW / 2, wide, _ROW, colour(name, house)))
+    for row, name in enumerate(reversed(packages)):
+        y, own = (row + 0.5) * _ROW + 8, packages.index(name)
+        drawn.append(_box(0, y - _ROW / 2, wide, _ROW, colour(name, top)))
         drawn.append(_text(_NAME - 6, y, name, anchor="end", weight="bold"))
         drawn.append(_box(_NAME + own * _COLUMN, y - _ROW / 2, _COLUMN, _ROW, "#7a7a72"))
         drawn += [
-            f"<circle cx='{_NAME + (rooms.index(other) + 0.5) * _COLUMN:g}' cy='{y:g}' r='3.6'/>"
-            for other in rooms
+            f"<circle cx='{_NAME + (packages.index(other) + 0.5) * _COLUMN:g}' cy='{y:g}' r='3.6'/>"
+            for other in packages
             if other in needs[name]
         ]
-        drawn.append(_text(_NAME + count * _COLUMN + 8, y, purpose(house, name)))
-    for column, name in enumerate(rooms):
+        drawn.append(_text(_NAME + count * _COLUMN + 8, y, purpose(top, name)))
+    for column, name in enumerate(packages):
         x, y = _NAME + (column + 0.5) * _COLUMN, count * _ROW + 16
         turned = f"<g transform='translate({x:g} {y:g}) rotate(-90)'>"
         drawn.append(f"{turned}{_text(0, 0, name, anchor='end')}</g>")
@@ -152,12 +152,12 @@ def counts() -> dict[str, int]:
     """Return the counts in docs/architecture.md by their patterns."""
     return {
         r"(passes through )\d+( packages)": passed(),
-        **{rf"(`{house}` has )\d+( packages)": len(names) for house, names in HOUSES.items()},
+        **{rf"(`{top}` has )\d+( packages)": len(names) for top, names in ORDERS.items()},
         **{
-            rf"(`{house}` has \d+ packages and top-level modules on )\d+( layers)": max(
-                layers(house).values()
+            rf"(`{top}` has \d+ packages and top-level modules on )\d+( layers)": max(
+                layers(top).values()
             )
-            for house in HOUSES
+            for top in ORDERS
         },
     }
 
@@ -166,7 +166,7 @@ def pictures() -> dict[str, str]:
     """Return all pictures by the names of their files."""
     return {
         "packages.svg": layers_of_lacore(),
-        **{f"imports-{house.removeprefix('lacore_')}.svg": matrix(house) for house in HOUSES},
+        **{f"imports-{top.removeprefix('lacore_')}.svg": matrix(top) for top in ORDERS},
     }
 
 

@@ -1,4 +1,4 @@
-"""The rooms of the house and who may enter which (DESIGN)."""
+"""Order of the packages, and what each may import (DESIGN)."""
 
 import ast
 import importlib.util
@@ -19,7 +19,7 @@ import pytest
 from lacore.reporting import views
 
 ROOT = Path(__file__).parents[1]
-MOST_FILES, MOST_LINES, MOST_ROOMS = 16, 400, 15
+MOST_FILES, MOST_LINES, MOST_ENTERED = 16, 400, 15
 MOST_PACKAGES, MOST_LAYERS = 20, 11
 MOST_QUESTIONS = 6
 KINDS_OF_THINGS = {
@@ -41,7 +41,7 @@ VERIFICATION = (
     *("conformance", "commands", "__main__", "case_checks"),
 )
 """Those of verification, alike."""
-HOUSES = {"lacore": LACORE, "lacore_verification": VERIFICATION}
+ORDERS = {"lacore": LACORE, "lacore_verification": VERIFICATION}
 SOLVER_WING = LACORE[LACORE.index("solvers") : LACORE.index("model")]
 MECHANICS_WING = LACORE[LACORE.index("model") : LACORE.index("limit")]
 NAMED = r"lacore[\w.]*:\w+"
@@ -53,28 +53,19 @@ class Contents:
     """What the rules ask of a file, found in one pass over its syntax tree."""
 
     imported: list[str]  # packages and full names, wherever in the file, also as ``module:name``
-    at_runtime: list[str]  # the same without imports for type checkers only
     constants: set[object]
     kind_checks: dict[int, str]  # by line, calls of isinstance that name a KINDS_OF_THINGS
 
 
 @cache
 def contents(path):
-    found = Contents([], [], set(), {})
-    pending = [(ast.parse(path.read_text(encoding="utf-8")), False)]
-    while pending:
-        node, for_types = pending.pop()
-        for_types = for_types or (
-            isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
-        )
-        names = imported_by(node, path)
-        found.imported.extend(names)
-        found.at_runtime.extend([] if for_types else names)
+    found = Contents([], set(), {})
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        found.imported.extend(imported_by(node, path))
         if isinstance(node, ast.Constant):
             found.constants.add(node.value)
         elif isinstance(node, ast.Call) and asks_for_a_kind(node):
             found.kind_checks[node.lineno] = ast.unparse(node)
-        pending.extend((child, for_types) for child in ast.iter_child_nodes(node))
     return found
 
 
@@ -136,31 +127,31 @@ def test_the_core_knows_no_solver_and_no_case():
     assert offenders(files("lacore"), imports_within(banned)) == {}
 
 
-@pytest.mark.parametrize("house", HOUSES)
-def test_imports_run_one_way(house):
-    """Wherever in a file they stand; of `from package import room` the room is that."""
-    order = HOUSES[house]
+@pytest.mark.parametrize("top", ORDERS)
+def test_imports_run_one_way(top):
+    """Wherever in a file they stand; of `from package import subpackage` the latter counts."""
+    order = ORDERS[top]
 
     def imported_from_later(path):
-        own = room_of(path)
+        own = package_of(path)
         if own == "__init__":
             return []  # the face
-        return [name for name in rooms_seen(path, house) if order.index(name) > order.index(own)]
+        return [name for name in packages_seen(path, top) if order.index(name) > order.index(own)]
 
-    assert offenders(files(house), imported_from_later) == {}
+    assert offenders(files(top), imported_from_later) == {}
 
 
 def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit():
     for wing, other in ((SOLVER_WING, MECHANICS_WING), (MECHANICS_WING, SOLVER_WING)):
-        own = [path for path in files("lacore") if room_of(path) in wing]
-        seen = offenders(own, lambda path, other=other: rooms_seen(path, "lacore") & set(other))
+        own = [path for path in files("lacore") if package_of(path) in wing]
+        seen = offenders(own, lambda path, other=other: packages_seen(path, "lacore") & set(other))
         assert seen == {}
 
 
 @pytest.mark.parametrize(
     "view", [views.picture, views.section, views.animation, views.files, views.scene]
 )
-def test_every_door_opens(view):
+def test_every_view_names_a_type_and_its_maker(view):
     """It names both sides; of a class or a function that was renamed nobody would notice."""
     assert view.makers
     for kind, maker in view.makers.items():
@@ -168,88 +159,51 @@ def test_every_door_opens(view):
         assert callable(resolve_name(maker))
 
 
-@pytest.mark.parametrize("house", HOUSES)
-def test_every_room_has_its_place(house):
-    there = {room_of(path) for path in files(house)}
-    assert there - {"__init__"} == set(HOUSES[house])
+@pytest.mark.parametrize("top", ORDERS)
+def test_every_package_has_its_place(top):
+    there = {package_of(path) for path in files(top)}
+    assert there - {"__init__"} == set(ORDERS[top])
 
 
-@pytest.mark.parametrize("house", HOUSES)
-def test_packages_are_few_and_on_few_layers(house):
+@pytest.mark.parametrize("top", ORDERS)
+def test_packages_are_few_and_on_few_layers(top):
     """A layer above all that a package imports, in functions and for type checkers too."""
-    assert len(HOUSES[house]) <= MOST_PACKAGES
-    assert max(layers(house).values()) <= MOST_LAYERS
+    assert len(ORDERS[top]) <= MOST_PACKAGES
+    assert max(layers(top).values()) <= MOST_LAYERS
 
 
-def layers(house):
-    """The layer of each package of a house, from 1 at the bottom; a cycle raises `CycleError`."""
-    needs = {name: set() for name in HOUSES[house]}
-    for path in files(house):
-        if (own := room_of(path)) != "__init__":
-            needs[own] |= rooms_seen(path, house) - {own, "__init__"}
+def layers(top):
+    """The layer of each package, from 1 at the bottom; a cycle raises `CycleError`."""
+    needs = {name: set() for name in ORDERS[top]}
+    for path in files(top):
+        if (own := package_of(path)) != "__init__":
+            needs[own] |= packages_seen(path, top) - {own, "__init__"}
     found = {}
     for name in TopologicalSorter(needs).static_order():
         found[name] = 1 + max((found[other] for other in needs[name]), default=0)
     return found
 
 
-def room_of(path):
-    """The file or folder of its house that a file is or lies in."""
+def package_of(path):
+    """The file or folder of its top-level package that a file is or lies in."""
     return module_of(path).split(".")[1]
 
 
-def rooms_seen(path, house):
-    """The files and folders of a house that a file imports from; the version is in none of them."""
-    seen = {name.split(".")[1] for name in imports(path) if name.startswith(f"{house}.")}
+def packages_seen(path, top):
+    """The files and folders of a top-level package that a file imports from; not the version."""
+    seen = {name.split(".")[1] for name in imports(path) if name.startswith(f"{top}.")}
     return seen - {"__version__"}
 
 
-@pytest.mark.parametrize("house", PLACES)
-def test_no_file_needs_itself(house):
-    """Of modules, inside of rooms too; imports for types alone need nothing."""
-    found = {module_of(path): path for path in files(house)}
-    needs = {
-        name: {known(seen, found) for seen in contents(path).at_runtime} - {name, None}
-        for name, path in found.items()
-        if not name.endswith("__init__")
-    }
-    TopologicalSorter(needs).prepare()  # CycleError names the files of a circle
-
-
-TYPED_CYCLES = {
-    "lacore": {
-        ("lacore.model.bodies.continuum.body", name)
-        for name in (
-            *("lacore.model.bodies.continuum.body_forces", "lacore.model.bodies.continuum.water"),
-            *("lacore.model.bodies.continuum.boundaries", "lacore.model.bodies.continuum.loaded"),
-        )
-    }
-    | {
-        (f"lacore.model.bodies.continuum.{one}", f"lacore.model.bodies.continuum.{other}")
-        for one, other in (("dofs", "loaded"), ("dofs", "volume"), ("dofs", "plasticity"))
-    }
-    | {
-        ("lacore.model.bodies.frames.frame", "lacore.model.bodies.frames.loads"),
-        ("lacore.model.problem.problem", "lacore.model.problem.contacts"),
-        ("lacore.model.problem.problem", "lacore.model.problem.wet"),
-        ("lacore.paths.path", "lacore.paths.steady"),
-    }
-}
-"""Modules whose second imports the first for type checkers only, and is imported by it."""
-
-
-@pytest.mark.parametrize("house", PLACES)
-def test_modules_have_no_cycles_for_type_checkers_except_those_listed(house):
-    """Imports in functions and for type checkers count; a listed one that is gone fails too."""
-    found = {module_of(path): path for path in files(house)}
-    known_cycles = TYPED_CYCLES.get(house, set())
+@pytest.mark.parametrize("top", PLACES)
+def test_modules_have_no_cycles(top):
+    """Imports in functions and for type checkers count."""
+    found = {module_of(path): path for path in files(top)}
     needs = {
         name: {known(seen, found) for seen in imports(path)} - {name, None}
         for name, path in found.items()
         if not name.endswith("__init__")
     }
-    for first, second in known_cycles:
-        needs[second].remove(first)  # KeyError: it is no cycle any more
     TopologicalSorter(needs).prepare()  # CycleError names the files of a circle
 
 
@@ -263,11 +217,11 @@ def known(name, found):
     return next((n for n in (name, name.rpartition(".")[0]) if n in found), None)
 
 
-@pytest.mark.parametrize("house", HOUSES)
-def test_a_room_is_seen_at_a_glance(house):
+@pytest.mark.parametrize("top", ORDERS)
+def test_folders_and_files_are_short(top):
     """Cases are as many as there are."""
     crowded, long = {}, {}
-    for folder in {path.parent for path in files(house)}:
+    for folder in {path.parent for path in files(top)}:
         held = list(folder.glob("*.py"))
         if len(held) > MOST_FILES and folder.name != "cases":
             crowded[str(folder.relative_to(ROOT))] = len(held)
@@ -298,18 +252,18 @@ def test_the_list_of_slow_tests_names_tests():
         assert f"def {function}(" in (ROOT / file).read_text(encoding="utf-8") or not name, line
 
 
-def test_pictures_of_the_rooms_are_those_of_the_code():
+def test_pictures_of_the_packages_are_those_of_the_code():
     """Drawn by docs/architecture.py, which reads the lists above and the imports."""
     for name, drawn in script_of("architecture").pictures().items():
         kept = (ROOT / "docs" / name).read_text(encoding="utf-8")
         assert kept == drawn, (
-            f"docs/{name} shows other rooms or imports: run python docs/architecture.py"
+            f"docs/{name} shows other packages or imports: run python docs/architecture.py"
         )
 
 
-def test_a_solve_passes_through_few_rooms():
+def test_a_solve_passes_through_few_packages():
     """Counted by docs/entries.py; the flat files of the contract are one."""
-    assert script_of("architecture").passed() <= MOST_ROOMS
+    assert script_of("architecture").passed() <= MOST_ENTERED
 
 
 def script_of(name):
@@ -388,7 +342,9 @@ def test_the_harness_knows_no_backend_by_name():
     def named(path):
         return names & contents(path).constants
 
-    own = [path for path in files("lacore_verification") if room_of(path) not in ("cases", "fuzz")]
+    own = [
+        path for path in files("lacore_verification") if package_of(path) not in ("cases", "fuzz")
+    ]
     assert offenders(own, named) == {}
 
 
@@ -471,8 +427,8 @@ def printed_by(code):
     return run.stdout.strip()
 
 
-@pytest.mark.parametrize("house", PLACES)
-def test_what_is_imported_is_installed_with_us(house):
+@pytest.mark.parametrize("package", PLACES)
+def test_what_is_imported_is_installed_with_us(package):
     """Packages of others are named in pyproject.toml; this environment may have them by luck."""
     stated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lines = [*stated["dependencies"], *chain(*stated["optional-dependencies"].values())]
@@ -480,7 +436,7 @@ def test_what_is_imported_is_installed_with_us(house):
     owners = owners_of_packages()
     missing = {
         f"{path.relative_to(ROOT)}: {top}"
-        for path in files(house)
+        for path in files(package)
         for top in {name.split(".")[0] for name in imports(path)}
         if top not in (*sys.stdlib_module_names, *PLACES)
         and not named & set(map(_normal, owners.get(top, [top])))

@@ -115,7 +115,8 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     strained = {name: own.groups(name, n) for name, own in dofs.items()}
 
     def forces(loads: Sequence[Load]) -> Floats:
-        stated = load_vector(acting(problem, loads), dofs, continua, unknowns.footings, n)
+        acted = acting(loads, problem.bodies, problem.interfaces)
+        stated = load_vector(acted, dofs, continua, unknowns.footings, n)
         return stated + moved_to_holders(loads, problem, unknowns, slipping)
 
     full = KinematicProgram(

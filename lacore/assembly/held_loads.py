@@ -16,7 +16,7 @@ from lacore.assembly.slips import contact_facets
 from lacore.assembly.unknowns import Unknowns
 from lacore.model.bodies.continuum.boundaries import outward_normals
 from lacore.model.bodies.continuum.dofs import BodyDofs
-from lacore.model.bodies.continuum.loaded import force_along
+from lacore.model.bodies.continuum.forces import force_along
 from lacore.model.bodies.continuum.slip import Slip
 from lacore.model.bodies.continuum.solid.holding import slid_past
 from lacore.model.conditions.loads import Load
@@ -65,7 +65,7 @@ def moved_to_holders(
         for held in _held(name, dofs, problem, unknowns, slipping.get(name)):
             for load in loads:
                 if load.body == name:
-                    force = force_along(load, dofs, held.facets, held.directions)
+                    force = force_along(load, dofs.velocity, held.facets, held.directions)
                     total[dofs.offset : dofs.offset + dofs.count] -= force
                     at_nodes = force[dofs.dofs - dofs.offset]
                     total[held.speeds] += np.sum(held.motions * at_nodes, axis=(1, 2))
@@ -111,11 +111,12 @@ def require_stated_side(
 
 def _acts_along(load: Load, dofs: BodyDofs, facets: Ints) -> bool:
     """Return whether a load has components along facets."""
-    normal = outward_normals(dofs.body, facets, 0.5)
+    normal = outward_normals(dofs.body.mesh, facets, 0.5)
     every = np.broadcast_to(np.eye(len(normal))[:, :, None], (len(normal), *normal.shape))
     along = every - normal[:, None] * normal  # projection
     part, whole = (
-        np.abs(force_along(load, dofs, facets, own)).max(initial=0.0) for own in (along, every)
+        np.abs(force_along(load, dofs.velocity, facets, own)).max(initial=0.0)
+        for own in (along, every)
     )
     return bool(part > _ROUND_OFF * whole)
 

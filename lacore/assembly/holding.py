@@ -11,9 +11,8 @@ from lacore.assembly.bonds import Ties, rigid_basis, supports_of
 from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
 from lacore.model.bodies.continuum.body import Body
-from lacore.model.bodies.continuum.boundaries import outward_normals
+from lacore.model.bodies.continuum.boundaries import facets_of, outward_normals
 from lacore.model.bodies.continuum.dofs import BodyDofs
-from lacore.model.bodies.continuum.loaded import facets_of
 from lacore.model.bodies.continuum.slip import Slip
 from lacore.model.bodies.continuum.solid.holding import solid_free_basis
 from lacore.model.conditions.elimination import NodeConditions, free_basis, held, join
@@ -128,13 +127,13 @@ def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
     """Return the nodes on facets, several each, and the outward normal there: (a n,), (a n, 2)."""
     nodes = dofs.facet_nodes(facets)
     shares = np.linspace(0.0, 1.0, len(nodes))
-    outward = [outward_normals(dofs.body, facets, s).T for s in shares]
+    outward = [outward_normals(dofs.body.mesh, facets, s).T for s in shares]
     return nodes.ravel() + dofs.first_node, np.concatenate(outward)
 
 
 def _support_of(support: Fix, dofs: BodyDofs, slip: Slip | None) -> NodeConditions:
     """Return the conditions of a support at the nodes of a body where it does not slip."""
-    facets = facets_of(support, dofs.body)
+    facets = facets_of(support, dofs.body.mesh)
     if support.components in ("normal", "tangential"):
         _require_straight(support, dofs, facets)
     if slip is not None:
@@ -145,7 +144,7 @@ def _support_of(support: Fix, dofs: BodyDofs, slip: Slip | None) -> NodeConditio
 def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
     """Reject polygons in place of arcs: two normals at each vertex would fix it."""
     start, *_, end = dofs.facet_nodes(facets)
-    outward = [outward_normals(dofs.body, facets, s).T for s in (0.0, 1.0)]
+    outward = [outward_normals(dofs.body.mesh, facets, s).T for s in (0.0, 1.0)]
     nodes, normals = np.concatenate([start, end]), np.concatenate(outward)
     order = np.argsort(nodes, kind="stable")
     same = nodes[order][1:] == nodes[order][:-1]
@@ -162,7 +161,7 @@ def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
 
 def _footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int) -> NodeConditions:
     """Return the conditions of a footing at the nodes of a body where it does not slip."""
-    facets = facets_of(footing, dofs.body)
+    facets = facets_of(footing, dofs.body.mesh)
     if slip is not None:
         facets = np.setdiff1d(facets, slip.of(number))
     nodes, outward = _boundary_nodes(dofs, facets)
@@ -180,8 +179,8 @@ def slides_on_chords(footing: Footing, body: Body) -> bool:
         return False
     if cast(RigidFooting, footing).rough:  # Only three-dimensional bodies have twisting plates.
         return False
-    facets = facets_of(footing, body)
-    outward = np.tile(outward_normals(body, facets, 0.0), 2).T
+    facets = facets_of(footing, body.mesh)
+    outward = np.tile(outward_normals(body.mesh, facets, 0.0), 2).T
     mean = _rounded(body.mesh.facets[:, facets].ravel(), outward)
     return bool(np.any(np.sum(mean * outward, axis=1) < _STRAIGHT))
 

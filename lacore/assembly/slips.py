@@ -89,13 +89,13 @@ def asked_of(
     parts = []
     for support in supports_of(problem):
         if support.body == name:
-            facets = boundary_facets(dofs.body, support.where, "Fix.where")
-            *_, outward = facet_geometry(dofs.body, facets)
+            facets = boundary_facets(dofs.body.mesh, support.where, "Fix.where")
+            *_, outward = facet_geometry(dofs.body.mesh, facets)
             parts.append((-1, support_conditions(support, facets, outward.T)))
     for number, footing in enumerate(footings):
         if footing.body == name:
-            facets = boundary_facets(dofs.body, footing.where, "RigidFooting.where")
-            *_, outward = facet_geometry(dofs.body, facets)
+            facets = boundary_facets(dofs.body.mesh, footing.where, "RigidFooting.where")
+            *_, outward = facet_geometry(dofs.body.mesh, facets)
             parts.append((number, footing_conditions(footing, facets, outward.T, number)))
     owners = [np.full(own.nodes.size, number) for number, own in parts]
     return join([own for _, own in parts]), np.concatenate([_NONE, *owners])
@@ -156,7 +156,7 @@ def _able(
     facets, owner, holds_normal = _sticking(dofs, asked, asking)
     apart = ~np.isin(facets, contact) & ~_pressure_dependent(dofs)[mesh.f2t[0, facets]]
     facets, owner, holds_normal = facets[apart], owner[apart], holds_normal[apart]
-    *_, normal = facet_geometry(dofs.body, facets)
+    *_, normal = facet_geometry(dofs.body.mesh, facets)
     turned, straight = meetings(dofs, facets, contact)
     corners = [
         NodeConditions(end, asked.directions, asked.footing, asked.factors)
@@ -196,7 +196,7 @@ def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints
     keys = np.stack([asked.nodes, asking])
     (facets, owner), entry = np.unique(keys, axis=1, return_inverse=True)
     entry = entry.ravel()
-    *_, normal = facet_geometry(dofs.body, facets)
+    *_, normal = facet_geometry(dofs.body.mesh, facets)
     n, d = normal[:, entry], asked.directions.T
     across, along = np.sum(n * d, axis=0), n[0] * d[1] - n[1] * d[0]
     nn, nt, tt = (
@@ -213,8 +213,8 @@ def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints
 def meetings(dofs: BodyDofs, facets: Ints, others: Ints) -> tuple[Bools, Bools]:
     """Return which ends of facets meet others in another direction, and in their own, (2, e)."""
     mesh = dofs.body.mesh
-    *_, normal = facet_geometry(dofs.body, facets)
-    *_, facing = facet_geometry(dofs.body, others)
+    *_, normal = facet_geometry(dofs.body.mesh, facets)
+    *_, facing = facet_geometry(dofs.body.mesh, others)
     vertices, count = mesh.facets[:, others].ravel(), others.size
     touching = csr_matrix(
         (np.ones(2 * count), (vertices, np.tile(np.arange(count), 2))), (mesh.nvertices, count)

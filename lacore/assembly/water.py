@@ -24,7 +24,7 @@ def pore_pressures(problem: Problem, load_factor: float) -> dict[str, Floats]:
     for loads, factor in ((problem.dead_loads, 1.0), (problem.reference_loads, load_factor)):
         for load in loads:
             if load.body in bodies:
-                own = in_pores(load, bodies[load.body], type(load).__name__)
+                own = in_pores(load, bodies[load.body].mesh, type(load).__name__)
                 if own.any():  # An unknown load factor does not affect the other loads.
                     total[load.body] += factor * own
     return total

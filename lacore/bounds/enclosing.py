@@ -109,7 +109,7 @@ def require_known_fields(problem: Problem) -> None:
                 )
     for field, load in problem.loads.items():
         if load.body in bodies:
-            require_linear(load, bodies[load.body], field)
+            require_linear(load, bodies[load.body].mesh, field)
 
 
 def require_chords(problem: Problem) -> None:

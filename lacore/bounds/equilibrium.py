@@ -21,8 +21,7 @@ from skfem import Mesh
 
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.body_forces import force_field
-from lacore.model.bodies.continuum.boundaries import facet_geometry, outward_normals
-from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.boundaries import facet_geometry, facets_of, outward_normals
 from lacore.model.bodies.continuum.regions.varying import Varying
 from lacore.model.bodies.continuum.solid.faces import face_geometry
 from lacore.model.bodies.continuum.water import in_pores, on_facets
@@ -168,13 +167,13 @@ class EquilibriumDofs(Compact):
 
     def area(self, footing: Footing) -> float:
         """Return the length of the facets of a footing, m, or their area, m^2."""
-        return float(self.lengths(facets_of(footing, self.body)).sum())
+        return float(self.lengths(facets_of(footing, self.body.mesh)).sum())
 
     def lengths(self, facets: Ints) -> Floats:
         """Return the lengths of boundary facets, m, or their areas, m^2, shape (k,)."""
         if self.body.dimension == 3:
             return face_geometry(self.body.mesh, facets)[0]
-        start, end, _ = facet_geometry(self.body, facets)
+        start, end, _ = facet_geometry(self.body.mesh, facets)
         return np.asarray(np.linalg.norm(end - start, axis=0))
 
 
@@ -211,33 +210,33 @@ def _multiplied(load: Load, dofs: "EquilibriumDofs") -> Floats:
 
 @_multiplied.register(SurfaceLoad)
 def _on_boundary(load: SurfaceLoad, dofs: "EquilibriumDofs") -> Floats:
-    facets, d = facets_of(load, dofs.body), dofs.body.dimension
-    share = dofs.lengths(facets) / d * load.on(outward_normals(dofs.body, facets, 0.5))
+    facets, d = facets_of(load, dofs.body.mesh), dofs.body.dimension
+    share = dofs.lengths(facets) / d * load.on(outward_normals(dofs.body.mesh, facets, 0.5))
     return _at(dofs, dofs.facet_nodes(facets).ravel(), np.tile(share, d))
 
 
 @_multiplied.register(BodyForce)
 def _of_volume(load: BodyForce, dofs: "EquilibriumDofs") -> Floats:
-    own = force_field(load, dofs.body, "BodyForce")
+    own = force_field(load, dofs.body.mesh, "BodyForce")
     return _at(dofs, dofs.element_nodes[own.elements], dofs.areas[own.elements] * own.mean)
 
 
 @_multiplied.register(StandingWater)
 def _standing(load: StandingWater, dofs: "EquilibriumDofs") -> Floats:
-    facets = facets_of(load, dofs.body)
-    return _pushed(dofs, facets, -on_facets(load, dofs.body, facets, "StandingWater"))
+    facets = facets_of(load, dofs.body.mesh)
+    return _pushed(dofs, facets, -on_facets(load, dofs.body.mesh, facets, "StandingWater"))
 
 
 @_multiplied.register(PorePressure)
 def _of_pores(load: PorePressure, dofs: "EquilibriumDofs") -> Floats:
     # This is the power of -u I on the vertex strains; multipliers of interior facets cancel.
-    u, outline = in_pores(load, dofs.body, "PorePressure"), dofs.body.mesh.boundary_facets()
+    u, outline = in_pores(load, dofs.body.mesh, "PorePressure"), dofs.body.mesh.boundary_facets()
     return _at(dofs, dofs.element_nodes, -dofs.rises(u)) + _pushed(dofs, outline, u)
 
 
 def _pushed(dofs: "EquilibriumDofs", facets: Ints, pressure: Floats) -> Floats:
     """Return the forces of pressures at vertices, linear along facets, along the outward normal."""
-    start, end, outward = facet_geometry(dofs.body, facets)
+    start, end, outward = facet_geometry(dofs.body.mesh, facets)
     ends = dofs.body.mesh.facets[:, facets]
     half = np.linalg.norm(end - start, axis=0) / 2
     force = np.concatenate([half * pressure[own] * outward for own in ends], axis=1)

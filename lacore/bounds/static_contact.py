@@ -65,7 +65,7 @@ def traction_station(
     carrier = bodies[name]
     strength = min(bodies[name].strength for name in names if name in bodies)
     facets, facet = np.unique(touched, return_inverse=True)
-    start, end, outward = facet_geometry(carrier.body, facets)
+    start, end, outward = facet_geometry(carrier.body.mesh, facets)
     nodes = carrier.facet_nodes(facets).ravel()
     x, y = selected(nodes, n)
     moving = np.stack([nodes, np.full_like(nodes, -1)])
@@ -212,7 +212,7 @@ def _matched(
     Raises:
         InputError: facets of the two sides differ.
     """
-    (start, end), (a, b, _) = slaves, facet_geometry(master.body, facets)
+    (start, end), (a, b, _) = slaves, facet_geometry(master.body.mesh, facets)
     near = _SAME_PLACE * master.body.size
 
     def same(p: Floats, q: Floats) -> Bools:

@@ -27,8 +27,7 @@ from lacore.model.bodies.blocks.block_assembly import BlockAssembly
 from lacore.model.bodies.blocks.dofs import RigidDofs
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.body_forces import require_carried
-from lacore.model.bodies.continuum.boundaries import facet_geometry
-from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.boundaries import facet_geometry, facets_of
 from lacore.model.bodies.continuum.regions.gathering import by_body
 from lacore.model.bodies.continuum.regions.lending import lend, strengthless
 from lacore.model.bodies.continuum.solid.memory import require_memory, stress_memory, told_memory
@@ -140,14 +139,15 @@ def static_model(problem: Problem) -> StaticModel:
         contact, points = face_tractions(problem.interfaces, problem.touching, bodies, n)
     else:
         contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
+    touched = problem.bodies, problem.interfaces
     full = KinematicProgram(
         groups=tuple(group for name, own in bodies.items() for group in own.groups(name, n)),
         contact=contact,
         reference_load=load_vector(
-            acting(problem, problem.reference_loads), dofs, bodies, footings, n
+            acting(problem.reference_loads, *touched), dofs, bodies, footings, n
         )
         + lifted(plane, bulging.reference, n),
-        dead_load=load_vector(acting(problem, problem.dead_loads), dofs, bodies, footings, n)
+        dead_load=load_vector(acting(problem.dead_loads, *touched), dofs, bodies, footings, n)
         + lifted(plane, bulging.dead, n),
     )
     if solid:
@@ -302,7 +302,7 @@ def _check_statable(problem: Problem) -> None:
     require_known_fields(problem)
     for field, load in problem.loads.items():
         if load.body in deforming:
-            require_carried(load, deforming[load.body], field)
+            require_carried(load, deforming[load.body].mesh, field)
         if load.point is not None and load.body in deforming:
             raise InputError(
                 field,
@@ -340,6 +340,6 @@ def _check_statable(problem: Problem) -> None:
 
 def _ends(dofs: EquilibriumDofs, part: Fix | Footing) -> tuple[Ints, Floats]:
     """Return nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
-    facets = facets_of(part, dofs.body)
-    _, _, outward = facet_geometry(dofs.body, facets)
+    facets = facets_of(part, dofs.body.mesh)
+    _, _, outward = facet_geometry(dofs.body.mesh, facets)
     return dofs.facet_nodes(facets).ravel(), np.tile(outward.T, (2, 1))

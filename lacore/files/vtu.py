@@ -17,11 +17,11 @@ from lacore.model.bodies.blocks.block_assembly import BlockAssembly
 from lacore.model.bodies.blocks.dofs import RigidDofs
 from lacore.model.bodies.continuum.dofs import BodyDofs
 from lacore.model.bodies.continuum.nodal import element_means, node_means
-from lacore.model.bodies.continuum.plasticity import plasticity
 from lacore.model.bodies.continuum.regions.gathering import by_body, gathered, region_numbers
 from lacore.model.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
 from lacore.numerics.arrays import Floats, Ints
-from lacore.paths.path import Path, Snapshot
+from lacore.paths.flow import Snapshot
+from lacore.paths.path import Path
 from lacore.paths.stage import Stage
 from lacore.program.kinematic import DissipationGroup
 from lacore.reporting.errors import InputError
@@ -273,9 +273,7 @@ def _dissipation(name: str, dofs: BodyDofs, velocity: Floats) -> Floats:
     unknowns[dofs.dofs] = velocity
     densities = [
         (group.dissipation(unknowns) / group.weights).reshape(region.elements.size, -1)
-        for region, group in zip(
-            dofs.body.regions, plasticity(name, dofs, unknowns.size), strict=True
-        )
+        for region, group in zip(dofs.body.regions, dofs.groups(name, unknowns.size), strict=True)
     ]
     return gathered(dofs.body, densities)
 

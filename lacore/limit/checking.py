@@ -130,7 +130,7 @@ def _with_stress(
             back = np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
             own = sigma[region.elements].reshape(-1, count) @ back
             stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
-        judged = judged_means(dofs, [means[number] for number in own_groups])
+        judged = judged_means(dofs.velocity, [means[number] for number in own_groups])
         kept = continuum_stress(dofs, [stresses[number] for number in own_groups], judged)
         largest = float(np.abs(sigma).max(initial=0.0)) or 1.0
         off = float(np.abs(sigma - kept).max(initial=0.0)) / largest

@@ -18,7 +18,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.limit.judges.reached import doubtful_supports, side
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body
-from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.boundaries import facets_of
 from lacore.model.conditions.loads import Fix
 from lacore.model.meshes.refinement import bisected
 from lacore.model.problem.problem import Problem
@@ -113,7 +113,7 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
     body = _body(problem, support.body)
     if type(body.mesh) is not MeshTri1:
         return None
-    mesh, facets = body.mesh, facets_of(support, body)
+    mesh, facets = body.mesh, facets_of(support, body.mesh)
     held = np.unique(mesh.facets[:, facets])
     height = step @ mesh.p / np.linalg.norm(step)
     if height.max() - height[held].min() > _FLAT * body.size:
@@ -125,7 +125,7 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
         if part.body != support.body or part.boundary is None:
             return part
         name = f"part {len(parts)}"
-        parts[name] = facets_of(part, body)
+        parts[name] = facets_of(part, body.mesh)
         if continues:
             continued.add(name)
         return replace(part, where=name)

@@ -166,5 +166,5 @@ def strict_bound(discretisation: Discretisation) -> bool:
             SPACES[own.space].strict and own.geometry == "exact" and own.bounded
             for own in bodies.values()
         )
-        and all(linear(load, bodies[load.body]) for load in loads)
+        and all(linear(load, bodies[load.body].mesh) for load in loads)
     )

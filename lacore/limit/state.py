@@ -158,7 +158,7 @@ class LimitState(Reported):
         for (name, dofs, own), (*_, means) in zip(
             stresses, gathering.by_body(bodies, point.mean_stress), strict=True
         ):
-            result[name] = gathering.continuum_stress(dofs, own, judged_means(dofs, means))
+            result[name] = gathering.continuum_stress(dofs, own, judged_means(dofs.velocity, means))
         return result
 
     @property

@@ -131,7 +131,7 @@ class PointTravel(Compact):
                 "PointTravel.direction", self.direction, "has no direction", "give a vector != 0"
             )
         require_range("PointTravel.direction", self.direction)
-        node = vertex_at(body, self.at, "PointTravel.at")  # vertices are the first nodes
+        node = vertex_at(body.mesh, self.at, "PointTravel.at")  # vertices are the first nodes
         along = np.array(self.direction) / np.linalg.norm(self.direction)
         return lambda d, velocity: float(along @ velocity[d.continua[self.body].dofs[:, node]])
 

@@ -59,6 +59,31 @@ class Moment(Compact):
 
 
 @dataclass(frozen=True, repr=False)
+class Snapshot(Compact):
+    """The bodies at the end of a step.
+
+    Attributes:
+        step: 0 is the beginning.
+        travel: there.
+        configuration: where they are, and their strains.
+        velocity: that led there, by body, shape (2, nodes), m/s at ``F0.u = 1``; zero at the
+            beginning.
+        strain_rate: that went with it: equivalent, at the strain points by body, shape
+            (elements, q), 1/s.
+        moment: of the limit problem whose load the step has; None at the beginning.
+        duration: of the step for which that load is, s.
+    """
+
+    step: int
+    travel: float
+    configuration: Configuration
+    velocity: Mapping[str, Floats]
+    strain_rate: Mapping[str, Floats]
+    moment: Moment | None = None
+    duration: float = 0.0
+
+
+@dataclass(frozen=True, repr=False)
 class Flow(Compact):
     """Solution of the limit problem of a moment.
 
@@ -282,3 +307,20 @@ def _hardening(program: KinematicProgram, laws: Sequence[_Law]) -> KinematicProg
 def _hardened(group: DissipationGroup, law: _Law) -> DissipationGroup:
     modulus = law.modulus + law.choosing
     return replace(group, bound=law.bound, modulus=modulus if np.any(modulus > 0) else None)
+
+
+def stage_of(snapshot: Snapshot, first: Stage, later: Sequence[tuple[int, Stage]]) -> Stage:
+    """Return the stage that has the meshes of a snapshot; see `Path.later`."""
+    passed = [stage for step, stage in later if step <= snapshot.step]
+    return passed[-1] if passed else first
+
+
+def state_of(
+    snapshot: Snapshot,
+    first: Stage,
+    later: Sequence[tuple[int, Stage]],
+    settings: Mapping[str, Any],
+) -> LimitState:
+    """Solve for the limit state of a snapshot other than the first one."""
+    assert snapshot.moment is not None
+    return flow(stage_of(snapshot, first, later), snapshot.moment, settings).state

@@ -16,7 +16,8 @@ from lacore.paths.contact.approach import gaps
 from lacore.paths.contact.overlap import overlap_and_touching
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending, PathEndError
-from lacore.paths.path import Event, Path, PathStep, Snapshot, state_of
+from lacore.paths.flow import Snapshot, state_of
+from lacore.paths.path import Event, Path, PathStep
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here, Stride
 from lacore.paths.stage import Stage

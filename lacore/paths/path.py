@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from numbers import Integral
 from os import PathLike
@@ -14,10 +14,8 @@ import pandas as pd
 
 from lacore.limit.state import LimitState
 from lacore.model.problem.problem import Problem
-from lacore.numerics.arrays import Floats
-from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
-from lacore.paths.flow import Moment, flow
+from lacore.paths.flow import Snapshot, stage_of, state_of
 from lacore.paths.stage import Stage
 from lacore.paths.steady import Steady, SteadyState, steady_state
 from lacore.reporting import views
@@ -98,48 +96,6 @@ class Event(Compact):
     step: int
     travel: float
     what: str
-
-
-@dataclass(frozen=True, repr=False)
-class Snapshot(Compact):
-    """The bodies at the end of a step.
-
-    Attributes:
-        step: 0 is the beginning.
-        travel: there.
-        configuration: where they are, and their strains.
-        velocity: that led there, by body, shape (2, nodes), m/s at ``F0.u = 1``; zero at the
-            beginning.
-        strain_rate: that went with it: equivalent, at the strain points by body, shape
-            (elements, q), 1/s.
-        moment: of the limit problem whose load the step has; None at the beginning.
-        duration: of the step for which that load is, s.
-    """
-
-    step: int
-    travel: float
-    configuration: Configuration
-    velocity: Mapping[str, Floats]
-    strain_rate: Mapping[str, Floats]
-    moment: Moment | None = None
-    duration: float = 0.0
-
-
-def stage_of(snapshot: Snapshot, first: Stage, later: Sequence[tuple[int, Stage]]) -> Stage:
-    """Return the stage that has the meshes of a snapshot; see `Path.later`."""
-    passed = [stage for step, stage in later if step <= snapshot.step]
-    return passed[-1] if passed else first
-
-
-def state_of(
-    snapshot: Snapshot,
-    first: Stage,
-    later: Sequence[tuple[int, Stage]],
-    settings: Mapping[str, Any],
-) -> LimitState:
-    """Solve for the limit state of a snapshot other than the first one."""
-    assert snapshot.moment is not None
-    return flow(stage_of(snapshot, first, later), snapshot.moment, settings).state
 
 
 @dataclass(frozen=True, repr=False)
@@ -257,7 +213,8 @@ class Path(Reported):
 
     def steady(self, criterion: Steady | None = None) -> SteadyState:
         """Judge whether load and flow have become stationary, by default as `Steady()` does."""
-        return steady_state(self, Steady() if criterion is None else criterion)
+        criterion = Steady() if criterion is None else criterion
+        return steady_state(self.history, self.snapshots, self.stage_of, self.unit, criterion)
 
     def problem(self, step: int = -1) -> Problem:
         """The problem on the bodies of a `snapshot`: the last by default.

@@ -331,7 +331,9 @@ def _contacts(
 def _grips(loads: Sequence[Load], bodies: Mapping[str, Body]) -> tuple[int, ...]:
     """Return the node of each point force, -1 for those on rigid blocks."""
     return tuple(
-        vertex_at(bodies[load.body], load.point, "PointForce.at") if load.body in bodies else -1
+        vertex_at(bodies[load.body].mesh, load.point, "PointForce.at")
+        if load.body in bodies
+        else -1
         for load in loads
         if load.point is not None
     )

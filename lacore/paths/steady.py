@@ -1,22 +1,21 @@
 """Whether load and flow of a path have become stationary (T36)."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from lacore.numerics.arrays import Floats
+from lacore.paths.flow import Snapshot
 from lacore.paths.renewal.transfer import at_places
+from lacore.paths.stage import Stage
 from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Quantity
-
-if TYPE_CHECKING:
-    from lacore.paths.path import Path, Snapshot
 
 _PARTS = 3  # of a window, whose means are compared
 _LEAST = 2 * _PARTS  # steps of a window
@@ -93,32 +92,41 @@ class SteadyState(Compact):
         return self.message
 
 
-def steady_state(path: Path, criterion: Steady) -> SteadyState:
-    """Judge the end of a path."""
-    travel, force = (path.history[name].to_numpy(dtype=float) for name in ("travel", "force"))
+StageOf = Callable[[Snapshot], Stage]
+
+
+def steady_state(
+    history: pd.DataFrame,
+    snapshots: Sequence[Snapshot],
+    stage_of: StageOf,
+    unit: str,
+    criterion: Steady,
+) -> SteadyState:
+    """Judge the end of a path; see `lacore.paths.path.Path` for its parts."""
+    travel, force = (history[name].to_numpy(dtype=float) for name in ("travel", "force"))
     if travel.size <= _LEAST:
         return _not_reached(Kind.FEW_STEPS, least=_LEAST, steps=travel.size)
-    so_far = float(path.history["end"].iloc[-1])
+    so_far = float(history["end"].iloc[-1])
     window = so_far / 3 if criterion.window is None else criterion.window
     first = int(np.searchsorted(travel, so_far - window))
     if first < 1 or travel.size - first < _LEAST:
         return _not_reached(
             Kind.WINDOW_NOT_USABLE,
-            window=_length(path, window),
+            window=_length(unit, window),
             covered=travel.size - max(first, 0),
             steps=travel.size,
             least=_LEAST,
         )
     drift, mean = drift_of(force[first:]), float(np.mean(force[first:]))
-    change = _flow_change(path, travel[first])
+    change = _flow_change(snapshots, stage_of, travel[first])
     stationary = bool(drift <= criterion.tolerance)  # not so if it is NaN
     flows = bool(change <= criterion.flow)
     since = None
     if stationary:
         starts = range(1, first + 1)
         begin = next(own for own in starts if drift_of(force[own:]) <= criterion.tolerance)
-        since, mean = int(path.history["step"].iloc[begin]), float(np.mean(force[begin:]))
-    values = {"drift": drift, "window": _length(path, window), "change": change}
+        since, mean = int(history["step"].iloc[begin]), float(np.mean(force[begin:]))
+    values = {"drift": drift, "window": _length(unit, window), "change": change}
     values |= {"tolerance": criterion.tolerance, "flow": criterion.flow}
     loads, reached = Finding(Kind.LOAD_DRIFTS, values=values), stationary and flows
     finding = Finding(Kind.NOT_STEADY, (), {"loads": loads}, Severity.REASON)
@@ -127,9 +135,9 @@ def steady_state(path: Path, criterion: Steady) -> SteadyState:
     return SteadyState(reached, since, mean, drift, change, finding)
 
 
-def _length(path: Path, travel: float) -> Quantity | float:
+def _length(unit: str, travel: float) -> Quantity | float:
     """Return a travel with its unit; of a control that turns tools or scales loads, the number."""
-    return Quantity(travel, "m", ".4g") if path.unit == "m" else travel
+    return Quantity(travel, "m", ".4g") if unit == "m" else travel
 
 
 def drift_of(loads: Floats) -> float:
@@ -146,18 +154,18 @@ def _not_reached(kind: Kind, **values: Any) -> SteadyState:
     return SteadyState(False, None, nan, nan, nan, Finding(kind, (), values, Severity.REASON))
 
 
-def _flow_change(path: Path, travel: float) -> float:
+def _flow_change(snapshots: Sequence[Snapshot], stage_of: StageOf, travel: float) -> float:
     """How much velocities differ from those at a travel; NaN where none were kept, or no place."""
-    moving = [own for own in path.snapshots if own.moment is not None]
+    moving = [own for own in snapshots if own.moment is not None]
     earlier = [own for own in moving if own.travel <= travel]
     if not earlier:
         return float("nan")
     before, now = earlier[-1], moving[-1]
     weights, velocities = [], []
-    for name, dofs in path.stage_of(now).dofs_at(now.configuration).items():
+    for name, dofs in stage_of(now).dofs_at(now.configuration).items():
         places = np.asarray(dofs.basis.global_coordinates()).reshape(2, -1)
-        then, apart = _velocity(path, before, name, places)
-        since, _ = _velocity(path, now, name, places)
+        then, apart = _velocity(stage_of, before, name, places)
+        since, _ = _velocity(stage_of, now, name, places)
         inside = apart <= _INSIDE * dofs.body.size
         weights.append(dofs.weights.ravel()[inside])
         velocities.append(np.stack([then, since])[:, :, inside])
@@ -169,7 +177,7 @@ def _flow_change(path: Path, travel: float) -> float:
     return float(np.sqrt(np.sum(weight * (one - other) ** 2)))
 
 
-def _velocity(path: Path, at: Snapshot, name: str, places: Floats) -> tuple[Floats, Floats]:
+def _velocity(stage_of: StageOf, at: Snapshot, name: str, places: Floats) -> tuple[Floats, Floats]:
     """Of a body at places, shape (2, n), and their distances from it."""
-    mesh = path.stage_of(at).meshes_at(at.configuration)[name]
+    mesh = stage_of(at).meshes_at(at.configuration)[name]
     return at_places(mesh, at.velocity[name], places)

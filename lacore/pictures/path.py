@@ -23,7 +23,8 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.paths import drift
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
-from lacore.paths.path import Path, Snapshot
+from lacore.paths.flow import Snapshot
+from lacore.paths.path import Path
 from lacore.paths.stage import Stage
 from lacore.pictures.axis import colour_bar, draw_axis, label_coordinates, lay_out
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle

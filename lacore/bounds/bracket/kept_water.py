@@ -13,7 +13,7 @@ from skfem import MeshTri
 
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.body_forces import free_of_mesh
-from lacore.model.bodies.continuum.loaded import facets_of
+from lacore.model.bodies.continuum.boundaries import facets_of
 from lacore.model.bodies.continuum.water import in_pores, on_facets
 from lacore.model.conditions.loads import Load
 from lacore.model.conditions.water import PorePressure, StandingWater
@@ -50,7 +50,7 @@ class Interpolated(Compact):
 @singledispatch
 def kept(load: Load, body: Body) -> Load:
     """Return a load as on the mesh of a body, for any mesh of the same domain."""
-    return free_of_mesh(load, body)
+    return free_of_mesh(load, body.mesh)
 
 
 @kept.register(PorePressure)
@@ -81,12 +81,13 @@ def _on_mesh(load: Load, body: Body) -> Interpolated:
 
 @_on_mesh.register(PorePressure)
 def _pores(load: PorePressure, body: Body) -> Interpolated:
-    return Interpolated(body.mesh, in_pores(load, body, "PorePressure"))
+    return Interpolated(body.mesh, in_pores(load, body.mesh, "PorePressure"))
 
 
 @_on_mesh.register(StandingWater)
 def _standing(load: StandingWater, body: Body) -> Interpolated:
-    return Interpolated(body.mesh, on_facets(load, body, facets_of(load, body), "StandingWater"))
+    pressure = on_facets(load, body.mesh, facets_of(load, body.mesh), "StandingWater")
+    return Interpolated(body.mesh, pressure)
 
 
 @singledispatch
@@ -102,7 +103,7 @@ def _everywhere(load: PorePressure, body: Body) -> Floats:
 
 @_places.register(StandingWater)
 def _on_boundary(load: StandingWater, body: Body) -> Floats:
-    return _ends_and_middles(body.mesh.p[:, body.mesh.facets[:, facets_of(load, body)]])
+    return _ends_and_middles(body.mesh.p[:, body.mesh.facets[:, facets_of(load, body.mesh)]])
 
 
 def _ends_and_middles(ends: Floats) -> Floats:

@@ -81,7 +81,7 @@ def _conditions(problem: Problem) -> list[list[tuple[str, Ints]]]:
     parts = [(own.components, own) for own in problem.supports]
     for key, part in (*parts, *enumerate(problem.loads.values())):
         if part.boundary is not None and part.body in bodies:
-            facets = boundary_facets(bodies[part.body], part.boundary, "where")
+            facets = boundary_facets(bodies[part.body].mesh, part.boundary, "where")
             alike.setdefault(key, []).append((part.body, facets))
     for pair, segments in zip(problem.interfaces, problem.segments, strict=True):
         for (name, _), facets in zip(pair.sides, segments.edges, strict=False):
@@ -138,7 +138,7 @@ def _per_volume(load: Load, body: Body) -> float:
 
 @_per_volume.register(BodyForce)
 def _of_volume(load: BodyForce, body: Body) -> float:
-    return largest(load, body, "BodyForce")
+    return largest(load, body.mesh, "BodyForce")
 
 
 def _angles(mesh: MeshTri) -> Floats:

@@ -127,6 +127,6 @@ def _carrying(
         forces = np.zeros((2, dofs.body.mesh.nelements, 3))
         for number, load in enumerate(loads):
             if load.body == name:
-                forces += at_vertices(load, dofs.body, f"Problem.{kind}[{number}]")
+                forces += at_vertices(load, dofs.body.mesh, f"Problem.{kind}[{number}]")
         found[name] = bubbles(dofs.body, forces, f"Problem.{kind}")
     return found

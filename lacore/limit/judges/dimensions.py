@@ -59,7 +59,7 @@ def snapped_tables(outcome: Outcome, status: Status) -> Iterator[Finding]:
         if not isinstance(load, PorePressure | StandingWater) or load.body not in bodies:
             continue
         if isinstance(load.pressure, WaterTable):
-            table = snapped(load.pressure, bodies[load.body])
+            table = snapped(load.pressure, bodies[load.body].mesh)
             if isinstance(table, WaterTable) and table.height != load.pressure.height:
                 ends = {"height": load.pressure.height, "moved": table.height}
                 values = {name: Quantity(own, "m", ".7g") for name, own in ends.items()}

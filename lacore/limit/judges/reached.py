@@ -8,9 +8,8 @@ import numpy as np
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.slips import contact_facets
 from lacore.model.bodies.continuum.body import Body
-from lacore.model.bodies.continuum.boundaries import outward_normals
+from lacore.model.bodies.continuum.boundaries import facets_of, outward_normals
 from lacore.model.bodies.continuum.dofs import BodyDofs
-from lacore.model.bodies.continuum.loaded import facets_of
 from lacore.model.conditions.loads import Fix
 from lacore.model.conditions.where import where_name
 from lacore.model.problem.problem import Problem
@@ -50,7 +49,7 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
         rollers = support.components not in _WHOLE
         if rollers and not _of_a_box(support, discretisation.problem, dofs.body):
             continue
-        near = _beside(dofs, facets_of(support, dofs.body), speed)
+        near = _beside(dofs, facets_of(support, dofs.body.mesh), speed)
         if near > (_ROLLS if rollers else _MOVES) * fastest > 0:
             reached.append(side(support))
             rolling |= rollers
@@ -73,7 +72,7 @@ def doubtful_supports(
         outward = _held_across(support, dofs.body)
         if support.components not in _WHOLE or outward is None or not _rubs(dofs.body):
             continue
-        nodes = _nodes_beside(dofs, facets_of(support, dofs.body))
+        nodes = _nodes_beside(dofs, facets_of(support, dofs.body.mesh))
         if float(speed[nodes].max(initial=0.0)) > _IN_DOUBT * fastest > 0:
             found.append((support, outward))
     return tuple(found)
@@ -115,10 +114,12 @@ def _of_a_box(support: Fix, problem: Problem, body: Body) -> bool:
     faced = any(float(one @ other) < _FACING for one in held for other in held)
     if not faced or _held_across(support, body) is None:
         return False
-    ends = np.unique(body.mesh.facets[:, facets_of(support, body)])
+    ends = np.unique(body.mesh.facets[:, facets_of(support, body.mesh)])
     loaded = [load for load in problem.reference_loads if load.body == support.body]
     touched = [
-        body.mesh.facets[:, facets_of(load, body)] for load in loaded if load.boundary is not None
+        body.mesh.facets[:, facets_of(load, body.mesh)]
+        for load in loaded
+        if load.boundary is not None
     ]
     contacts = (contact_facets(problem, index) for index in range(len(problem.interfaces)))
     touched += [body.mesh.facets[:, own[support.body]] for own in contacts if support.body in own]
@@ -127,7 +128,7 @@ def _of_a_box(support: Fix, problem: Problem, body: Body) -> bool:
 
 def _held_across(support: Fix, body: Body) -> Floats | None:
     """Outward normal of a straight support that holds the motion across it; None of any other."""
-    normals = outward_normals(body, facets_of(support, body), 0.5)
+    normals = outward_normals(body.mesh, facets_of(support, body.mesh), 0.5)
     normal = normals[:, 0]
     across = {axis: abs(part) for axis, part in zip("xyz", normal, strict=False)}
     across["tangential"] = 0.0

@@ -52,7 +52,7 @@ def obstacle_faces(interface: Interface, bodies: Mapping[str, Body], field: str)
             " two regions",
         )
     body = bodies[name]
-    facets = boundary_facets(body, where, f"{field}.slave")
+    facets = boundary_facets(body.mesh, where, f"{field}.slave")
     _, outward = face_geometry(body.mesh, facets)
     plane = interface.face
     if plane is not None:

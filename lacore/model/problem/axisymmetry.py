@@ -105,7 +105,7 @@ def _check_point(load: PointForce, field: str, body: Body) -> None:
 
 
 def _check_off_axis(body: Body, where: Where, field: str) -> None:
-    facets = boundary_facets(body, where, field)
+    facets = boundary_facets(body.mesh, where, field)
     ends = body.mesh.p[:, body.mesh.facets[:, facets]]
     if np.any(on_axis(body, ends).all(axis=0)):
         raise InputError(

@@ -1,54 +1,65 @@
 """Checks of the interfaces of a problem: each place once, and each body connected."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence, Set
 
 import numpy as np
 
+from lacore.model.bodies.any_body import AnyBody
 from lacore.model.bodies.touching import Touched
-from lacore.model.conditions.footings import footings
+from lacore.model.conditions.loads import Fix
+from lacore.model.contact.interfaces import Interface
+from lacore.model.contact.touching import Touching
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting import terms
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import text
 
-if TYPE_CHECKING:
-    from lacore.model.problem.problem import Problem
-
 _SAME_NORMAL = 9  # digits to which the normals of two faces are compared
 _Place = tuple[str, int, tuple[float, float]]  # body, edge, and for a node the normal of its face
 
 
-def check_contacts(problem: "Problem") -> None:
+def check_contacts(
+    bodies: Mapping[str, AnyBody],
+    interfaces: Sequence[Interface],
+    touching: Sequence[Touching],
+    supports: Sequence[Fix],
+    met: Mapping[str, Ints],
+    footed: Set[str],
+) -> None:
     """Reject invalid contact.
+
+    Args:
+        bodies, interfaces, touching, supports, met: see `lacore.model.problem.problem.Problem`.
+        footed: names of the bodies under footings.
 
     Raises:
         InputError: interfaces that do not touch or share a place, bodies without contact, or blocks
             with none, or with corners only.
     """
-    touched: dict[str, list[Touched]] = {name: [] for name in problem.bodies}
-    for index, interface in enumerate(problem.interfaces):
+    touched: dict[str, list[Touched]] = {name: [] for name in bodies}
+    for index, interface in enumerate(interfaces):
         alone = interface.obstacle is not None
-        sides = zip(interface.sides, problem.touching[index].edges, strict=False)
+        sides = zip(interface.sides, touching[index].edges, strict=False)
         for (name, _), edges in sides:
             field = f"Problem.interfaces[{index}]"
             touched[name].append(Touched(field, interface.name, edges, alone))
-    for name, edges in problem.met.items():
+    for name, edges in met.items():
         touched[name].append(Touched("Problem.interfaces", name, edges, False))
-    _check_bonds(problem)
-    _check_sharing(problem)
-    _check_joined(problem)
-    for name, body in problem.bodies.items():
-        supports = [support for support in problem.supports if support.body == name]
-        body.check_contact(f"Problem.bodies[{name!r}]", supports, touched[name])
+    _check_bonds(bodies, interfaces)
+    _check_sharing(bodies, interfaces, touching)
+    held = {support.body for support in supports} | set(met) | footed
+    _check_joined(bodies, held | {name for own in interfaces for name, _ in own.sides})
+    for name, body in bodies.items():
+        own = [support for support in supports if support.body == name]
+        body.check_contact(f"Problem.bodies[{name!r}]", own, touched[name])
 
 
-def _check_bonds(problem: "Problem") -> None:
+def _check_bonds(bodies: Mapping[str, AnyBody], interfaces: Sequence[Interface]) -> None:
     """Reject bonds that are not along edges."""
-    for index, interface in enumerate(problem.interfaces):
+    for index, interface in enumerate(interfaces):
         if not interface.bonded:
             continue
-        bodies = [problem.bodies[name] for name, _ in interface.sides]
-        if any(body.pointwise for body in bodies):
+        if any(bodies[name].pointwise for name, _ in interface.sides):
             raise InputError(
                 f"Problem.interfaces[{index}].friction",
                 "BOND",
@@ -57,14 +68,14 @@ def _check_bonds(problem: "Problem") -> None:
             )
 
 
-def _check_sharing(problem: "Problem") -> None:
+def _check_sharing(
+    bodies: Mapping[str, AnyBody], interfaces: Sequence[Interface], touching: Sequence[Touching]
+) -> None:
     """Reject two interfaces at one place: an edge may meet several bodies, each of them once."""
     taken: dict[_Place, dict[_Place, int]] = {}
-    for index, (interface, segments) in enumerate(
-        zip(problem.interfaces, problem.touching, strict=True)
-    ):
+    for index, (interface, segments) in enumerate(zip(interfaces, touching, strict=True)):
         sides = zip(interface.sides, segments.edges, strict=False)
-        ends = [_places(problem, name, edges, segments.normal) for (name, _), edges in sides]
+        ends = [_places(bodies[name], name, edges, segments.normal) for (name, _), edges in sides]
         for one, other in zip(ends[0], ends[-1], strict=True):
             for edge, facing in {one: other, other: one}.items():
                 known = taken.setdefault(edge, {})
@@ -80,21 +91,18 @@ def _check_sharing(problem: "Problem") -> None:
                 known[facing] = index
 
 
-def _places(problem: "Problem", name: str, edges: Ints, normal: Floats) -> list[_Place]:
+def _places(body: AnyBody, name: str, edges: Ints, normal: Floats) -> list[_Place]:
     """Return the keys of edges; a node of a frame may be in a corner, against two faces."""
-    if not problem.bodies[name].pointwise:
+    if not body.pointwise:
         return [(name, int(edge), (0.0, 0.0)) for edge in edges]
     turned = (np.round(normal.T, _SAME_NORMAL) + 0.0).tolist()
     return [(name, int(node), (x, y)) for node, (x, y) in zip(edges, turned, strict=True)]
 
 
-def _check_joined(problem: "Problem") -> None:
+def _check_joined(bodies: Mapping[str, AnyBody], held: Set[str]) -> None:
     """Reject one of several bodies without an interface or a support."""
-    held = {support.body for support in problem.supports} | set(problem.met)
-    held |= {name for interface in problem.interfaces for name, _ in interface.sides}
-    held |= {footing.body for footing in footings(problem.loads.values())}
-    loose = [name for name in problem.bodies if name not in held]
-    if loose and len(problem.bodies) > 1:
+    loose = [name for name in bodies if name not in held]
+    if loose and len(bodies) > 1:
         raise InputError(
             "Problem.bodies",
             loose[0],

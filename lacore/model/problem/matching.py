@@ -67,7 +67,7 @@ def _on_finer(problem: Problem, finer: Mapping[str, Body]) -> Problem:
     coarse = of_kind(problem.bodies, Body)
 
     def held(load: Load) -> Load:
-        return free_of_mesh(load, coarse[load.body]) if load.body in finer else load
+        return free_of_mesh(load, coarse[load.body].mesh) if load.body in finer else load
 
     return replace(
         problem,

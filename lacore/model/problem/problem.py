@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from lacore.model.bodies.any_body import KINDS, AnyBody
+from lacore.model.conditions.footings import footings
 from lacore.model.conditions.loads import Fix, Load, acts
 from lacore.model.contact.interfaces import Interface
 from lacore.model.contact.segments import Segments
@@ -134,7 +135,8 @@ class Problem(Shown):
         dimension = self._checked_loads()
         self._check_supports(dimension)
         self._check_interfaces(dimension)
-        check_contacts(self)
+        footed = {footing.body for footing in footings(self.loads.values())}
+        check_contacts(self.bodies, self.interfaces, self.touching, self.supports, self.met, footed)
         check_wet(self.loads, self.interfaces)
         check_axisymmetry(
             {name: body for name, body in self.bodies.items() if name not in self.driven},

@@ -3,11 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
-from typing import TYPE_CHECKING
 
 from scipy.spatial import KDTree
 
-from lacore.model.bodies.any_body import of_kind
+from lacore.model.bodies.any_body import AnyBody, of_kind
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.water import in_pores
 from lacore.model.conditions.loads import Load
@@ -19,29 +18,32 @@ from lacore.reporting import terms
 from lacore.reporting.errors import InputError
 from lacore.reporting.text import Term, text
 
-if TYPE_CHECKING:
-    from lacore.model.problem.problem import Problem
 
-
-def acting(problem: "Problem", loads: Sequence[Load]) -> list[Load]:
-    """Return the loads of a problem, and the water between wet bodies and the obstacles they touch.
+def acting(
+    loads: Sequence[Load], bodies: Mapping[str, AnyBody], interfaces: Sequence[Interface]
+) -> list[Load]:
+    """Return loads, and the water between wet bodies and the obstacles that they touch.
 
     The water presses the bodies back, so that an interface carries the pressure of the skeleton.
     """
-    return [*loads, *(more for load in loads for more in _between(load, problem))]
+    return [*loads, *(more for load in loads for more in _between(load, bodies, interfaces))]
 
 
 @singledispatch
-def _between(load: Load, problem: "Problem") -> list[StandingWater]:
+def _between(
+    load: Load, bodies: Mapping[str, AnyBody], interfaces: Sequence[Interface]
+) -> list[StandingWater]:
     """Return the water of a load in contacts; none for other loads."""
     return []
 
 
 @_between.register(PorePressure)
-def _of_pores(load: PorePressure, problem: "Problem") -> list[StandingWater]:
-    body = of_kind(problem.bodies, Body)[load.body]
-    pressure = _AtVertices(vertices(body.mesh), in_pores(load, body, "PorePressure"))
-    tools = (one for one in problem.interfaces if one.obstacle is not None)
+def _of_pores(
+    load: PorePressure, bodies: Mapping[str, AnyBody], interfaces: Sequence[Interface]
+) -> list[StandingWater]:
+    body = of_kind(bodies, Body)[load.body]
+    pressure = _AtVertices(vertices(body.mesh), in_pores(load, body.mesh, "PorePressure"))
+    tools = (one for one in interfaces if one.obstacle is not None)
     sides = (side for interface in tools for side in interface.sides)
     return [StandingWater(name, where, pressure) for name, where in sides if name == load.body]
 

@@ -36,7 +36,7 @@ class Names:
         """The name of a part of a body, a new one where it has none."""
         if isinstance(where, str):
             return where
-        facets = boundary_facets(body, where, f"{kind}.where")
+        facets = boundary_facets(body.mesh, where, f"{kind}.where")
         name = f"part {len(self.known[owner])}"
         self.known[owner][name] = facets
         return name
@@ -100,7 +100,7 @@ def obstacle_of(
         )
     check_law(interface)
     body = bodies[name]
-    facets = boundary_facets(body, where, "Interface.slave")
+    facets = boundary_facets(body.mesh, where, "Interface.slave")
     tool = tool_of(interface, tools)
     found = Obstacle(
         name=interface.name,
@@ -145,7 +145,7 @@ def _shape(interface: Interface, body: Body, facets: Ints) -> Shape:
 
 def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:
     """The plane of a straight boundary: an obstacle without one has the shape of the body."""
-    start, _, outward = facet_geometry(body, facets)
+    start, _, outward = facet_geometry(body.mesh, facets)
     normal = -outward[:, 0]
     bent = np.abs(normal[0] * outward[1] - normal[1] * outward[0]).max() > _STRAIGHT
     places = body.mesh.doflocs[:, body.mesh.nvertices + facets]

@@ -190,7 +190,7 @@ def control_on_new_mesh(control: Control, stage: Stage, configuration: Configura
     """Return a control for new meshes, whose point is at its present place."""
     if not isinstance(control, PointTravel):
         return control
-    node = vertex_at(stage.bodies[control.body], control.at, "PointTravel.at")
+    node = vertex_at(stage.bodies[control.body].mesh, control.at, "PointTravel.at")
     x, y = configuration.nodes[control.body][:, node].tolist()
     return replace(control, at=(x, y))
 

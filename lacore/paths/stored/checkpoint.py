@@ -28,8 +28,8 @@ from lacore import __version__
 from lacore.coupling.friction_start import FrictionStart
 from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
-from lacore.paths.flow import Moment
-from lacore.paths.path import Event, PathStep, Snapshot
+from lacore.paths.flow import Moment, Snapshot
+from lacore.paths.path import Event, PathStep
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stage import Stage

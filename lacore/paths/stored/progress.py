@@ -10,7 +10,8 @@ import numpy as np
 
 from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
-from lacore.paths.path import Event, PathStep, Snapshot
+from lacore.paths.flow import Snapshot
+from lacore.paths.path import Event, PathStep
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.reporting.errors import is_number

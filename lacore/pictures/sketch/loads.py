@@ -16,8 +16,7 @@ from lacore.model.bodies.blocks.loads import carried
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.body_forces import elements_of
 from lacore.model.bodies.continuum.water import in_pores
-from lacore.model.bodies.frames.frame import Frame
-from lacore.model.bodies.frames.loads import line_load
+from lacore.model.bodies.frames.frame import Frame, line_load
 from lacore.model.bodies.touching import Edges
 from lacore.model.conditions.body_forces import BodyForce
 from lacore.model.conditions.footings import RigidFooting
@@ -130,7 +129,7 @@ def _volume_forces(body: AnyBody, load: BodyForce) -> tuple[Floats, Floats]:
 
 @_volume_forces.register
 def _of_elements(body: Body, load: BodyForce) -> tuple[Floats, Floats]:
-    part = elements_of(load, body, "BodyForce.where")
+    part = elements_of(load, body.mesh, "BodyForce.where")
     parts = shapely.polygons(outlines(body.mesh)[part])
     centroids = shapely.get_coordinates(shapely.centroid(parts)).T
     volumes = shapely.area(parts) * body.thickness(centroids)
@@ -249,7 +248,7 @@ def _row(load: SurfaceLoad, body: AnyBody, sheet: Sheet, colour: str, live: bool
 @_draw.register
 def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
     """Draw pore pressure as blue over the colour of each region, darker for larger pressure."""
-    pressure = in_pores(load, body, "PorePressure")
+    pressure = in_pores(load, body.mesh, "PorePressure")
     largest = float(pressure.max())
     if largest == 0:
         return

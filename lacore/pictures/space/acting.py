@@ -66,7 +66,7 @@ def _acting(problem: Problem) -> Iterator[tuple[str, str, list[tuple[str, Ints]]
     bodies = of_kind(problem.bodies, Body)
 
     def faces(name: str, where: Where) -> list[tuple[str, Ints]]:
-        return [(name, boundary_facets(bodies[name], where, "where"))]
+        return [(name, boundary_facets(bodies[name].mesh, where, "where"))]
 
     for number, support in enumerate(problem.supports):
         colour = _HELD[number % len(_HELD)]

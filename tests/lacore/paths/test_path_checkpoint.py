@@ -17,8 +17,7 @@ import pytest
 import lacore as la
 from lacore.coupling.friction_start import FrictionStart
 from lacore.paths.configuration import Configuration
-from lacore.paths.flow import Moment
-from lacore.paths.path import Snapshot
+from lacore.paths.flow import Moment, Snapshot
 from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stored.progress import Progress

@@ -4,21 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, singledispatch
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from skfem import MeshQuad, MeshTet, MeshTri
 from skfem.mesh import MeshTet1, MeshTri1
 
-from lacore.model.bodies.continuum.boundaries import boundary_facets, facet_geometry
-from lacore.model.bodies.continuum.loaded import check_load
+from lacore.model.bodies.continuum.body_forces import force_field
+from lacore.model.bodies.continuum.boundaries import (
+    allowed,
+    boundary_facets,
+    facet_geometry,
+    vertex_at,
+)
 from lacore.model.bodies.continuum.locking import crossed_quadrilaterals
 from lacore.model.bodies.continuum.regions.region import Region
 from lacore.model.bodies.continuum.regions.stated import regions_of
 from lacore.model.bodies.continuum.spaces import VelocitySpace, spaces_of
-from lacore.model.bodies.touching import TOUCH, Edges, Touched
-from lacore.model.conditions.loads import Fix, Load, require_no_rotation
+from lacore.model.bodies.continuum.water import in_pores, on_facets
+from lacore.model.bodies.touching import Edges, Touched
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.footings import Footing, RigidFooting, Twist
+from lacore.model.conditions.loads import Fix, Load, PointForce, SurfaceLoad, require_no_rotation
+from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.model.conditions.where import Where
 from lacore.model.materials.conic_form import KINEMATICS, SPACE
 from lacore.model.materials.criterion import Criterion
@@ -236,15 +245,15 @@ class Body(Shown):
     @property
     def allowed(self) -> float:
         """Distance up to which coordinates count as one, m."""
-        return TOUCH * self.size
+        return allowed(self.mesh)
 
     def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
         """Return the facets of a part of the boundary, and their chords.
 
         Errors name the `field`.
         """
-        facets = boundary_facets(self, where, field)
-        return facets, Edges(*facet_geometry(self, facets))
+        facets = boundary_facets(self.mesh, where, field)
+        return facets, Edges(*facet_geometry(self.mesh, facets))
 
     def curves(self, facets: Ints) -> EdgeCurves:
         """Return the facets as curves."""
@@ -265,7 +274,7 @@ class Body(Shown):
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""
-        boundary_facets(self, support.where, f"{field}.where")
+        boundary_facets(self.mesh, support.where, f"{field}.where")
         require_no_rotation(support, field)
 
 
@@ -317,3 +326,53 @@ def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> Non
             fix,
         )
     check_mesh(mesh, "Body.mesh")
+
+
+@singledispatch
+def check_load(load: Load, body: Body, field: str) -> None:
+    """Raise `InputError` where a body cannot carry a load; it names the `field` of the load."""
+    raise TypeError(f"not a load: {type(load).__name__}")
+
+
+@check_load.register(SurfaceLoad)
+@check_load.register(RigidFooting)
+@check_load.register(Twist)
+def _check_boundary(load: SurfaceLoad | Footing, body: Body, field: str) -> None:
+    boundary_facets(body.mesh, load.where, f"{field}.where")
+
+
+@check_load.register(PointForce)
+def _check_point(load: PointForce, body: Body, field: str) -> None:
+    vertex_at(body.mesh, load.at, f"{field}.at")
+
+
+@check_load.register(BodyForce)
+def _check_volume(load: BodyForce, body: Body, field: str) -> None:
+    force_field(load, body.mesh, field)
+
+
+@check_load.register(PorePressure)
+def _check_pores(load: PorePressure, body: Body, field: str) -> None:
+    _require_plane(body, field)
+    if body.kinematics == "plane_stress":
+        raise InputError(
+            f"{field}.body",
+            load.body,
+            "plane stress: what is free to grow across the plane has no water to hold in",
+            "take kinematics='plane_strain'",
+        )
+    in_pores(load, body.mesh, field)
+
+
+@check_load.register(StandingWater)
+def _check_standing(load: StandingWater, body: Body, field: str) -> None:
+    _require_plane(body, field)
+    facets = boundary_facets(body.mesh, load.where, f"{field}.where")
+    on_facets(load, body.mesh, facets, field)
+
+
+def _require_plane(body: Body, field: str) -> None:
+    if body.dimension == 3:
+        raise InputError(
+            f"{field}.body", None, "no water in bodies of tetrahedra", "take a plane body"
+        )

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 from functools import singledispatch
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from skfem import MeshTri
+from skfem import Mesh, MeshTri
 
 from lacore.model.bodies.continuum.regions.looking import looked_at
 from lacore.model.conditions.body_forces import BodyForce
@@ -16,9 +15,6 @@ from lacore.reporting import terms
 from lacore.reporting.errors import InputError, suggest_all
 from lacore.reporting.showing import Compact
 from lacore.reporting.text import Term, text
-
-if TYPE_CHECKING:
-    from lacore.model.bodies.continuum.body import Body
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -61,34 +57,34 @@ class OfElements(Compact):
         return np.asarray(np.asarray(self.values)[tree.nearest(shapely.points(x.T))])
 
 
-def force_field(load: BodyForce, body: "Body", field: str) -> ForceField:
-    """Return a body force in the elements of a body.
+def force_field(load: BodyForce, mesh: Mesh, field: str) -> ForceField:
+    """Return a body force in the elements of a mesh.
 
     Raises:
         InputError: unknown regions, functions that fail, or values of other elements.
     """
-    elements = elements_of(load, body, f"{field}.where")
-    count = body.mesh.nelements
+    elements = elements_of(load, mesh, f"{field}.where")
+    count = mesh.nelements
     found = []
-    for axis in range(body.dimension):
+    for axis in range(len(mesh.p)):
 
         def along(places: Floats, parts: Ints, axis: int = axis) -> Floats:
             return np.asarray(load.at(places, parts, count, field)[axis])
 
-        found.append(looked_at(along, body.mesh, elements))
+        found.append(looked_at(along, mesh, elements))
     linear = load.piecewise_uniform or all(own[2] for own in found)
     return ForceField(elements, np.stack([own[1] for own in found]), linear)
 
 
-def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
+def elements_of(load: BodyForce, mesh: Mesh, field: str) -> Ints:
     """Return the elements that a body force acts on: all, or those of regions, ascending.
 
     Raises:
         InputError: unknown regions of the mesh.
     """
     if load.where is None:
-        return np.arange(body.mesh.nelements)
-    known = body.mesh.subdomains or {}
+        return np.arange(mesh.nelements)
+    known = mesh.subdomains or {}
     names = (load.where,) if isinstance(load.where, str) else load.where
     for name in names:
         if name not in known:
@@ -98,33 +94,33 @@ def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
     return np.unique(np.concatenate(parts))
 
 
-def largest(load: BodyForce, body: "Body", field: str) -> float:
+def largest(load: BodyForce, mesh: Mesh, field: str) -> float:
     """Return its largest size at the vertices of elements, N/m^3."""
-    vertex = force_field(load, body, field).vertex
+    vertex = force_field(load, mesh, field).vertex
     return float(np.linalg.norm(vertex, axis=0).max(initial=0.0))
 
 
 @singledispatch
-def free_of_mesh(load: Load, body: "Body") -> Load:
+def free_of_mesh(load: Load, mesh: Mesh) -> Load:
     """Return a load that does not depend on the mesh, with element values as function of place."""
     return load
 
 
 @free_of_mesh.register(BodyForce)
-def _of_place(load: BodyForce, body: "Body") -> BodyForce:
+def _of_place(load: BodyForce, mesh: Mesh) -> BodyForce:
     if not load.by_elements:
         return load
-    return load.changed(lambda values: OfElements(body.mesh, values))
+    return load.changed(lambda values: OfElements(mesh, values))
 
 
 @singledispatch
-def require_linear(load: Load, body: "Body", field: str) -> None:
-    """Raise `InputError` where a body force is not linear in each element of a body."""
+def require_linear(load: Load, mesh: Mesh, field: str) -> None:
+    """Raise `InputError` where a body force is not linear in each element of a mesh."""
 
 
 @require_linear.register(BodyForce)
-def _linear(load: BodyForce, body: "Body", field: str) -> None:
-    if not force_field(load, body, field).linear:
+def _linear(load: BodyForce, mesh: Mesh, field: str) -> None:
+    if not force_field(load, mesh, field).linear:
         raise InputError(
             field,
             load.told,
@@ -143,24 +139,24 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
 
 
 @singledispatch
-def linear(load: Load, body: "Body") -> bool:
-    """Return whether a load is linear in each element of a body, so that its power is exact."""
+def linear(load: Load, mesh: Mesh) -> bool:
+    """Return whether a load is linear in each element of a mesh, so that its power is exact."""
     return True
 
 
 @linear.register(BodyForce)
-def _known(load: BodyForce, body: "Body") -> bool:
-    return force_field(load, body, "BodyForce").linear
+def _known(load: BodyForce, mesh: Mesh) -> bool:
+    return force_field(load, mesh, "BodyForce").linear
 
 
 @singledispatch
-def require_carried(load: Load, body: "Body", field: str) -> None:
-    """Raise `InputError` where no stresses of the elements of a body balance a load."""
+def require_carried(load: Load, mesh: Mesh, field: str) -> None:
+    """Raise `InputError` where no stresses of the elements of a mesh balance a load."""
 
 
 @require_carried.register(BodyForce)
-def _carried(load: BodyForce, body: "Body", field: str) -> None:
-    if body.dimension == 3 and not load.piecewise_uniform:
+def _carried(load: BodyForce, mesh: Mesh, field: str) -> None:
+    if len(mesh.p) == 3 and not load.piecewise_uniform:
         raise InputError(
             field,
             load.told,
@@ -178,16 +174,16 @@ def _carried(load: BodyForce, body: "Body", field: str) -> None:
 
 
 @singledispatch
-def at_vertices(load: Load, body: "Body", field: str) -> Floats:
+def at_vertices(load: Load, mesh: Mesh, field: str) -> Floats:
     """Return the forces per volume at the vertices of all elements, from within, N/m^3.
 
     The shape is (d, e, a).
     """
-    return np.zeros((body.dimension, *body.mesh.t.T.shape))
+    return np.zeros((len(mesh.p), *mesh.t.T.shape))
 
 
 @at_vertices.register(BodyForce)
-def _in_volume(load: BodyForce, body: "Body", field: str) -> Floats:
-    found, own = np.zeros((body.dimension, *body.mesh.t.T.shape)), force_field(load, body, field)
+def _in_volume(load: BodyForce, mesh: Mesh, field: str) -> Floats:
+    found, own = np.zeros((len(mesh.p), *mesh.t.T.shape)), force_field(load, mesh, field)
     found[:, own.elements] = own.vertex
     return found

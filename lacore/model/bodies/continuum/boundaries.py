@@ -1,12 +1,15 @@
 """Boundary facets from a name or a predicate on coordinates."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
+from skfem import Mesh
 
 from lacore.model.bodies.continuum.solid.faces import face_geometry
 from lacore.model.bodies.touching import TOUCH
+from lacore.model.conditions.footings import Footing
+from lacore.model.conditions.loads import Fix, SurfaceLoad
+from lacore.model.conditions.water import StandingWater
 from lacore.model.conditions.where import Where, edges_inside
 from lacore.model.meshes.curved import edge_curves, vertices
 from lacore.model.meshes.solid.faces import selected_faces
@@ -15,17 +18,27 @@ from lacore.reporting.errors import InputError, is_plane_vector, require_place, 
 from lacore.reporting.showing import spanned
 from lacore.reporting.text import Quantity, text
 
-if TYPE_CHECKING:
-    from lacore.model.bodies.continuum.body import Body
-
 _UNNAMED = (
     "none is known: name boundaries by mesh.with_boundaries or by physical groups, or give a"
     " function of coordinates (d, n)"
 )
 
 
-def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
-    """Return the facets of the part `where` of the boundary of `body`, sorted.
+Part = SurfaceLoad | Footing | StandingWater | Fix
+
+
+def allowed(mesh: Mesh) -> float:
+    """Return the distance up to which coordinates in a mesh count as one, m."""
+    return float(TOUCH * np.linalg.norm(np.ptp(mesh.p, axis=1)))
+
+
+def facets_of(part: Part, mesh: Mesh) -> Ints:
+    """Return the boundary facets of a mesh that a load or a support acts on."""
+    return boundary_facets(mesh, part.where, f"{type(part).__name__}.where")
+
+
+def boundary_facets(mesh: Mesh, where: Where, field: str) -> Ints:
+    """Return the facets of the part `where` of the boundary of a mesh, sorted.
 
     A name selects the facets of the mesh with this name, and several names those of all. A
     predicate gets coordinates of shape (d, n), returns a mask (n,), and selects the boundary facets
@@ -36,9 +49,8 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
         InputError: unknown name, nothing selected, an interior facet, a predicate that ends
             inside a facet.
     """
-    mesh = body.mesh
     if isinstance(where, tuple) and where:
-        own = [boundary_facets(body, name, f"{field}[{n}]") for n, name in enumerate(where)]
+        own = [boundary_facets(mesh, name, f"{field}[{n}]") for n, name in enumerate(where)]
         return np.unique(np.concatenate(own))
     if isinstance(where, str):
         named = mesh.boundaries or {}
@@ -51,7 +63,7 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
                 field, where, "holds facets inside the body", "name facets of the boundary only"
             )
     elif callable(where):
-        facets = _selected(body, where, field)
+        facets = _selected(mesh, where, field)
     else:
         raise InputError(
             field,
@@ -61,14 +73,16 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
         )
     if facets.size == 0:
         shown = where if isinstance(where, str) else None
-        fix = text("select at least one boundary facet: the mesh lies in {}", spanned(*body.box))
+        fix = text(
+            "select at least one boundary facet: the mesh lies in {}",
+            spanned(mesh.p.min(axis=1), mesh.p.max(axis=1)),
+        )
         raise InputError(field, shown, "an empty boundary", fix)
     return facets
 
 
-def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Ints:
-    mesh = body.mesh
-    if body.dimension == 3:
+def _selected(mesh: Mesh, where: Callable[[Floats], Bools], field: str) -> Ints:
+    if len(mesh.p) == 3:
         return selected_faces(mesh, where, field)
     boundary = mesh.boundary_facets()
     curves = edge_curves(mesh, boundary)
@@ -90,23 +104,22 @@ def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Int
     return np.asarray(boundary[whole], dtype=np.int64)
 
 
-def outward_normals(body: "Body", facets: Ints, s: float) -> Floats:
+def outward_normals(mesh: Mesh, facets: Ints, s: float) -> Floats:
     """Return the unit outward normals of boundary facets at a share of their parameter.
 
     The shape is (d, n).
     """
-    if body.dimension == 3:
-        return face_geometry(body.mesh, facets)[1]
-    *_, outward = facet_geometry(body, facets)
-    return edge_curves(body.mesh, facets).normal(s, outward)
+    if len(mesh.p) == 3:
+        return face_geometry(mesh, facets)[1]
+    *_, outward = facet_geometry(mesh, facets)
+    return edge_curves(mesh, facets).normal(s, outward)
 
 
-def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
+def facet_geometry(mesh: Mesh, facets: Ints) -> tuple[Floats, Floats, Floats]:
     """Return the ends and unit outward normals of (chords of) boundary facets.
 
     Three arrays (2, n).
     """
-    mesh = body.mesh
     start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
     along = end - start
     normal = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
@@ -115,9 +128,9 @@ def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
     return start, end, normal * outward
 
 
-def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
+def vertex_at(mesh: Mesh, at: tuple[float, ...] | str, where: str) -> int:
     """Return the index of the mesh vertex at a point; raises `InputError` if there is none."""
-    if body.dimension == 3:
+    if len(mesh.p) == 3:
         why = "no single force acts on a body of tetrahedra"
         raise InputError(where, at, why, "give a lacore.Traction on some of its faces")
     if isinstance(at, str):
@@ -125,10 +138,10 @@ def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
     if not is_plane_vector(at):
         raise InputError(where, at, "not a point", "give (x, y)")
     require_place(where, at)
-    places = vertices(body.mesh)
+    places = vertices(mesh)
     distance = np.linalg.norm(places - np.reshape(at, (-1, 1)), axis=0)
     nearest = int(np.argmin(distance))
-    if distance[nearest] > TOUCH * body.size:
+    if distance[nearest] > allowed(mesh):
         raise InputError(
             where,
             at,

@@ -7,10 +7,12 @@ from scipy.sparse import csr_matrix
 from skfem import Basis
 
 from lacore.model.bodies.continuum.body import Body, on_axis
-from lacore.model.bodies.continuum.loaded import area, facets_of, force
+from lacore.model.bodies.continuum.boundaries import facets_of
+from lacore.model.bodies.continuum.forces import area, force
 from lacore.model.bodies.continuum.plasticity import plasticity
 from lacore.model.bodies.continuum.solid.faces import face_nodes
-from lacore.model.bodies.continuum.spaces import VelocitySpace, spaces_of
+from lacore.model.bodies.continuum.spaces import VelocitySpace
+from lacore.model.bodies.continuum.velocity_basis import VelocityBasis
 from lacore.model.conditions.footings import Footing
 from lacore.model.conditions.loads import Load
 from lacore.model.meshes.curved import EdgeCurves, edge_curves, is_curved
@@ -26,42 +28,48 @@ class BodyDofs(Compact):
     """Place of the velocity of a body among all unknowns.
 
     Attributes:
-        body: the body.
+        velocity: basis of the velocity of the body.
         nodes: coordinates of its nodes, shape (d, nodes): vertices, then edge midpoints, then
             centres; for discontinuous velocities the nodes of the first element, then of the
             second, ...
         dofs: unknowns (x, y), or (x, y, z), of each node, shape (d, nodes).
         element_nodes: its nodes by element, vertices, then edges, shape (a, elements).
         first_node: number of the body's first node among those of all bodies.
-        basis: scikit-fem basis at the strain points; its dofs start at `offset`.
         offset: number of the body's first unknown.
     """
 
-    body: Body
+    velocity: VelocityBasis
     nodes: Floats
     dofs: Ints
     element_nodes: Ints
     first_node: int
-    basis: Basis
     offset: int
+
+    @property
+    def body(self) -> Body:
+        """The body."""
+        return self.velocity.body
+
+    @property
+    def basis(self) -> Basis:
+        """Scikit-fem basis at the strain points; its unknowns start at 0."""
+        return self.velocity.basis
 
     @property
     def space(self) -> VelocitySpace:
         """The velocity space."""
-        return spaces_of(self.body.kinematics)[self.body.space]
+        return self.velocity.space
 
     @classmethod
     def at(cls, body: Body, offset: int) -> "BodyDofs":
         """Return the unknowns of a body that begin at a given number."""
-        basis, d = spaces_of(body.kinematics)[body.space].basis(body.mesh), body.dimension
-        # scikit-fem numbers the components of a node one after the other.
+        velocity, d = VelocityBasis.of(body), body.dimension
         return cls(
-            body=body,
-            nodes=basis.doflocs[:, ::d],
-            dofs=offset + np.arange(basis.N, dtype=np.int64).reshape(-1, d).T,
-            element_nodes=basis.element_dofs[::d].astype(np.int64) // d,
+            velocity=velocity,
+            nodes=velocity.basis.doflocs[:, ::d],
+            dofs=offset + velocity.dofs,
+            element_nodes=velocity.element_nodes,
             first_node=offset // d,
-            basis=basis,
             offset=offset,
         )
 
@@ -90,15 +98,15 @@ class BodyDofs(Compact):
 
         Jumps are other groups.
         """
-        return plasticity(name, self, n)
+        return plasticity(name, self.velocity, self.offset, n)
 
     def force(self, load: Load) -> Floats:
         """Return the nodal forces of a load, shape (count,), N/m."""
-        return force(load, self)
+        return force(load, self.velocity)
 
     def area(self, footing: Footing) -> float:
         """Return the area under a footing, m^2; m per unit thickness."""
-        return area(self, facets_of(footing, self.body))
+        return area(self.velocity, facets_of(footing, self.body.mesh))
 
     def thickness(self, places: Floats) -> Floats:
         """Return the thickness, see `Body.thickness`."""
@@ -112,8 +120,7 @@ class BodyDofs(Compact):
     @property
     def linear(self) -> bool:
         """Whether strain rates are linear in each element, see `VelocitySpace.linear`."""
-        straight = self.space.linear and not is_curved(self.body.mesh)
-        return straight and not self.body.axisymmetric
+        return self.velocity.linear
 
     @property
     def strength(self) -> float:
@@ -128,7 +135,7 @@ class BodyDofs(Compact):
     @property
     def areas(self) -> Floats:
         """Areas of the elements, shape (elements,), m^2."""
-        return np.asarray(self.basis.dx.sum(axis=1))
+        return self.velocity.areas
 
     @property
     def volumes(self) -> Floats:
@@ -143,8 +150,7 @@ class BodyDofs(Compact):
     @property
     def weights(self) -> Floats:
         """Volumes of the strain points, shape (elements, q), m^3; m^2 per unit thickness."""
-        places = np.asarray(self.basis.global_coordinates())
-        return np.asarray(self.basis.dx * self.body.thickness(places))
+        return self.velocity.weights
 
     @property
     def normal_flow(self) -> bool:
@@ -201,11 +207,6 @@ class BodyDofs(Compact):
         if self.degree == 2:
             nodes.insert(1, corners + local(mesh.t2f, facets))
         return np.asarray(self.element_nodes[np.stack(nodes), element])
-
-    def vertex_nodes(self, vertex: int) -> Ints:
-        """Return the nodes at a vertex of the mesh: one, or one in each element."""
-        mesh = self.body.mesh
-        return np.unique(self.element_nodes[: len(mesh.t)][mesh.t == vertex])
 
 
 def edge_shapes(s: Floats, degree: int) -> Floats:

@@ -11,33 +11,30 @@ refinement. It is removed.
 """
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
 from lacore.model.bodies.continuum.regions.region import Region
+from lacore.model.bodies.continuum.velocity_basis import VelocityBasis
 from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
-
-if TYPE_CHECKING:
-    from lacore.model.bodies.continuum.dofs import BodyDofs
 
 
 def volumetric_rows(
-    dofs: "BodyDofs", region: Region, rows: Callable[[Floats, Ints], Sparse]
+    velocity: VelocityBasis, region: Region, rows: Callable[[Floats, Ints], Sparse]
 ) -> Sparse:
     """Return the volumetric rows of a region, projected if they must vanish, shape (m L, n).
 
     Args:
-        dofs: unknowns of the body.
+        velocity: basis of the velocity of the body.
         region: region of the body.
         rows: function of coefficients (r, components) in elements, with r strain points.
     """
-    form, projected = region.form, _projected(dofs, region)
+    form, projected = region.form, _projected(velocity, region)
     if not projected.any():
         return rows(form.volumes, region.elements)
-    points, projector = _points(dofs, region), volume_projector(dofs)
-    every = np.arange(dofs.body.mesh.nelements)
+    points, projector = _points(velocity, region), volume_projector(velocity)
+    every = np.arange(velocity.body.mesh.nelements)
     parts = [
         csr_matrix(projector[points] @ rows(row[None], every))
         if own
@@ -48,18 +45,18 @@ def volumetric_rows(
     return csr_matrix(vstack(parts, format="csr")[order])
 
 
-def conditions(dofs: "BodyDofs", region: Region) -> Sparse | None:
+def conditions(velocity: VelocityBasis, region: Region) -> Sparse | None:
     """Return the independent conditions of a region, (k, m); None: all its rows.
 
     See `lacore.program.dissipation.DissipationGroup.conditions`. The rows of surfaces are equations
     of each point with separate multipliers.
     """
-    if region.form.surfaces or not (dofs.space.pressures is not None or _crossed(dofs)):
+    if region.form.surfaces or not (velocity.space.pressures is not None or _crossed(velocity)):
         return None
-    points = _points(dofs, region)
-    place = np.full(dofs.weights.size, -1)
+    points = _points(velocity, region)
+    place = np.full(velocity.weights.size, -1)
     place[points] = np.arange(points.size)
-    at, blocks = _bases(dofs)
+    at, blocks = _bases(velocity)
     at = place[at]
     whole = (at >= 0).all(axis=1)
     if not whole.any():
@@ -77,19 +74,19 @@ def conditions(dofs: "BodyDofs", region: Region) -> Sparse | None:
     return found
 
 
-def _bases(dofs: "BodyDofs") -> tuple[Ints, Floats]:
+def _bases(velocity: VelocityBasis) -> tuple[Ints, Floats]:
     """Return the strain points of each projection, (b, r), and an orthonormal basis, (b, k, r).
 
     They apply to theta times roots of weights, for which `volume_projector` is orthogonal.
     """
-    count, roots = dofs.weights.shape[1], np.sqrt(dofs.weights)
-    if dofs.space.pressures is not None:
-        own = np.arange(dofs.weights.size).reshape(-1, count)
-        basis = np.linalg.qr(roots[:, :, None] * dofs.space.pressures)[0]
+    count, roots = velocity.weights.shape[1], np.sqrt(velocity.weights)
+    if velocity.space.pressures is not None:
+        own = np.arange(velocity.weights.size).reshape(-1, count)
+        basis = np.linalg.qr(roots[:, :, None] * velocity.space.pressures)[0]
         return own, basis.transpose(0, 2, 1)
-    elements, corner = _crossings(dofs)
+    elements, corner = _crossings(velocity)
     own = count * elements[:, :, None] + np.arange(count)
-    return own.reshape(-1, 4 * count), _beside(_alternating(dofs, corner) / roots[elements])
+    return own.reshape(-1, 4 * count), _beside(_alternating(velocity, corner) / roots[elements])
 
 
 def _beside(mode: Floats) -> Floats:
@@ -121,69 +118,69 @@ def _beside(mode: Floats) -> Floats:
     return basis.reshape(b, 4 * q, 4 * q)[:, :-1]
 
 
-def judged_means(dofs: "BodyDofs", means: Sequence[Floats]) -> list[Floats]:
+def judged_means(velocity: VelocityBasis, means: Sequence[Floats]) -> list[Floats]:
     """Return the mean stresses of regions for criteria, shape (m L,) each, Pa.
 
     If a criterion does not depend on them, they are as smooth as on the elements; else they are
     those at the strain points, where on quadrilaterals only their projection does work.
     """
-    regions, count = dofs.body.regions, dofs.weights.size
+    regions, count = velocity.body.regions, velocity.weights.size
     columns = [
         own.reshape(-1, len(region.form.volumes))
         for region, own in zip(regions, means, strict=True)
     ]
-    projector = volume_projector(dofs)
+    projector = volume_projector(velocity)
     judged = []
     for region, own in zip(regions, columns, strict=True):
-        projected = _projected(dofs, region)
-        if region.form.surfaces and dofs.space.pressures is not None:
+        projected = _projected(velocity, region)
+        if region.form.surfaces and velocity.space.pressures is not None:
             projected = np.zeros_like(projected)
         result = own.copy()
         for column in np.flatnonzero(projected).tolist():
             whole = np.zeros(count)
             for other, theirs in zip(regions, columns, strict=True):
                 if column < theirs.shape[1]:
-                    whole[_points(dofs, other)] = theirs[:, column]
-            result[:, column] = (projector @ whole)[_points(dofs, region)]
+                    whole[_points(velocity, other)] = theirs[:, column]
+            result[:, column] = (projector @ whole)[_points(velocity, region)]
         judged.append(result.ravel())
     return judged
 
 
-def _projected(dofs: "BodyDofs", region: Region) -> Bools:
+def _projected(velocity: VelocityBasis, region: Region) -> Bools:
     """Return which volumetric rows are projected, shape (L,): those that must vanish.
 
     On quadrilaterals, which would lock with small friction, all are projected. On other elements
     dilatant flow keeps all its conditions.
     """
     preserved = region.form.preserved
-    return np.ones_like(preserved) if dofs.space.pressures is not None else preserved
+    return np.ones_like(preserved) if velocity.space.pressures is not None else preserved
 
 
-def _points(dofs: "BodyDofs", region: Region) -> Ints:
+def _points(velocity: VelocityBasis, region: Region) -> Ints:
     """Return the numbers of the strain points of a region among those of its body."""
-    count = dofs.weights.shape[1]
+    count = velocity.weights.shape[1]
     return np.asarray((count * region.elements[:, None] + np.arange(count)).ravel())
 
 
-def volume_projector(dofs: "BodyDofs") -> Sparse:
+def volume_projector(velocity: VelocityBasis) -> Sparse:
     """Return the projection of theta at all strain points, and of mean stresses, shape (m, m).
 
     The volume of each quadrilateral, and of four triangles at a crossing together, is kept.
     """
-    if dofs.space.pressures is not None:
-        return _onto(dofs.weights, dofs.space.pressures)
-    whole = csr_matrix(eye_array(dofs.weights.size, format="csr"))
-    if not _crossed(dofs):
+    if velocity.space.pressures is not None:
+        return _onto(velocity.weights, velocity.space.pressures)
+    whole = csr_matrix(eye_array(velocity.weights.size, format="csr"))
+    if not _crossed(velocity):
         return whole
-    modes = _alternating_sums(dofs)
-    share = csr_matrix(diags_array(1 / dofs.weights.ravel()) @ modes.T)
+    modes = _alternating_sums(velocity)
+    share = csr_matrix(diags_array(1 / velocity.weights.ravel()) @ modes.T)
     size = np.asarray(modes.multiply(share.T).sum(axis=1)).ravel()
     return csr_matrix(whole - share @ diags_array(1 / size) @ modes)
 
 
-def _crossed(dofs: "BodyDofs") -> bool:
+def _crossed(velocity: VelocityBasis) -> bool:
     """Return whether crossings have an almost redundant condition."""
-    return not dofs.linear and len(dofs.body.mesh.t) == 3
+    return not velocity.linear and len(velocity.body.mesh.t) == 3
 
 
 def _onto(weights: Floats, functions: Floats) -> Sparse:
@@ -200,32 +197,32 @@ def _onto(weights: Floats, functions: Floats) -> Sparse:
     return csr_matrix((blocks.ravel(), columns.ravel(), start), shape=(count * q,) * 2)
 
 
-def _alternating_sums(dofs: "BodyDofs") -> Sparse:
+def _alternating_sums(velocity: VelocityBasis) -> Sparse:
     """Return the alternating sums of theta of the four elements at crossings.
 
     They are rows over the strain points.
     """
-    elements, corner = _crossings(dofs)
-    count = dofs.space.points.shape[1]
-    values = _alternating(dofs, corner)
+    elements, corner = _crossings(velocity)
+    count = velocity.space.points.shape[1]
+    values = _alternating(velocity, corner)
     columns = elements[:, :, None] * count + np.arange(count)
     start = np.arange(len(elements) + 1) * 4 * count
-    shape = (len(elements), dofs.areas.size * count)
+    shape = (len(elements), velocity.areas.size * count)
     return csr_matrix((values.ravel(), columns.ravel(), start), shape=shape)
 
 
-def _alternating(dofs: "BodyDofs", corner: Ints) -> Floats:
+def _alternating(velocity: VelocityBasis, corner: Ints) -> Floats:
     """Return the factors of theta at the strain points of four elements, (crossings, 4, q)."""
     signs = np.array([1.0, -1.0, 1.0, -1.0])
-    return np.asarray(dofs.space.to_vertices()[corner] * signs[:, None])
+    return np.asarray(velocity.space.to_vertices()[corner] * signs[:, None])
 
 
-def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
+def _crossings(velocity: VelocityBasis) -> tuple[Ints, Ints]:
     """Return the elements around inner vertices of four triangles, in turn, and their corners.
 
     Both have the shape (crossings, 4). Of crossings that share elements only some are used.
     """
-    mesh = dofs.body.mesh
+    mesh = velocity.body.mesh
     inner = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices) == 4
     inner[np.unique(mesh.facets[:, mesh.boundary_facets()])] = False
     corner, element = np.nonzero(inner[mesh.t])
@@ -234,7 +231,7 @@ def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
     order = np.lexsort((np.arctan2(away[1], away[0]), vertex))
     around, corners = (part[order].reshape(-1, 4) for part in (element, corner))
     flows = np.ones(mesh.nelements, dtype=bool)  # without a change of volume
-    for region in dofs.body.regions:
+    for region in velocity.body.regions:
         flows[region.elements] = region.form.preserved[0]
     whole = flows[around].all(axis=1)
     around, corners = around[whole], corners[whole]

@@ -16,8 +16,7 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import csr_matrix
 
-from lacore.model.bodies.frames.frame import HELD_COMPONENTS, Frame
-from lacore.model.bodies.frames.loads import line_load, nodal
+from lacore.model.bodies.frames.frame import HELD_COMPONENTS, Frame, line_load, nodal
 from lacore.model.bodies.frames.modes import WHOLE, Modes, modes_of, rate_rows
 from lacore.model.conditions.loads import Fix, Load
 from lacore.numerics.arrays import Bools, Floats, Ints, Sparse

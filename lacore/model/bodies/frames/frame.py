@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import singledispatch
 from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
 
-from lacore.model.bodies.frames.loads import nodal
 from lacore.model.bodies.frames.members import (
     Members,
     Pieces,
@@ -27,11 +27,12 @@ from lacore.model.bodies.frames.members import (
 from lacore.model.bodies.frames.section import Section
 from lacore.model.bodies.pickled import by_arguments
 from lacore.model.bodies.touching import Edges, Touched
-from lacore.model.conditions.loads import Fix, Load
+from lacore.model.conditions.loads import Fix, Load, PointForce, Traction
 from lacore.model.conditions.where import Where
 from lacore.model.meshes.curved import EdgeCurves
 from lacore.numerics.arrays import Floats, Ints
-from lacore.reporting.errors import InputError, require_known, require_positive
+from lacore.reporting import terms
+from lacore.reporting.errors import InputError, require_known, require_positive, suggest
 from lacore.reporting.showing import Facts, Shown, counted, listed
 from lacore.reporting.text import Term, text
 
@@ -285,3 +286,80 @@ def _kept(value: Any) -> Any:
     if isinstance(value, Mapping):
         return MappingProxyType(dict(value))
     return value if value is None or isinstance(value, Section) else float(value)
+
+
+@singledispatch
+def nodal(load: Load, body: Frame) -> Floats:
+    """Return the forces and moments of a load at the nodes, shape (N, 3), N/m and 0.
+
+    Raises:
+        InputError: a load that frames do not support, or at no node or member.
+    """
+    raise InputError(
+        f"{type(load).__name__}.body",
+        load.body,
+        "a frame, whose members have neither width nor sides",
+        text(
+            "give {} along members (own weight: N/m per m of member), or {}",
+            terms.TRACTION,
+            terms.POINT_FORCE,
+        ),
+    )
+
+
+@nodal.register(PointForce)
+def _point(load: PointForce, body: Frame) -> Floats:
+    total = np.zeros((len(body.names), 3))
+    total[_loaded_node(load, body), :2] = load.vector
+    return total
+
+
+@nodal.register(Traction)
+def _along(load: Traction, body: Frame) -> Floats:
+    total = np.zeros((len(body.names), 3))
+    half = (line_load(load, body) * body.pieces.length / 2).T
+    for nodes in (body.pieces.start, body.pieces.end):
+        np.add.at(total[:, :2], nodes, half)
+    return total
+
+
+def _loaded_node(load: PointForce, body: Frame) -> int:
+    if load.where is not None:
+        raise InputError(
+            "PointForce.where", load.where, "a node of a frame needs none", "leave it out"
+        )
+    if isinstance(load.at, str):
+        return int(body.find(load.at, "PointForce.at")[0])
+    node = body.node_at(load.at)
+    if node is None:
+        away = body.position - np.reshape(load.at, (2, 1))
+        nearest = body.names[int(np.argmin(np.linalg.norm(away, axis=0)))]
+        raise InputError(
+            "PointForce.at",
+            load.at,
+            "lies on no member of the frame",
+            f"the nearest node is {nearest!r}",
+        )
+    return node
+
+
+@singledispatch
+def line_load(load: Load, body: Frame) -> Floats:
+    """Return a load along members on all pieces, N/m per m, (2, P): 0 on other members."""
+    return np.zeros(body.pieces.along.shape)
+
+
+@line_load.register(Traction)
+def _traction(load: Traction, body: Frame) -> Floats:
+    wanted = (load.where,) if isinstance(load.where, str) else load.where
+    if not isinstance(wanted, tuple):
+        raise InputError("Traction.where", None, "not a member", "give the name of a member")
+    for name in wanted:
+        if name not in body.member_names:
+            fix = suggest(str(name), body.member_names)
+            raise InputError("Traction.where", name, "no such member", fix)
+        if not body.section_of[body.member_names.index(name)].bends:
+            why = "a bar, which carries axial force alone"
+            raise InputError("Traction.where", name, why, "load its nodes")
+    loaded = np.isin(body.member_names, wanted)[body.pieces.member]
+    return np.outer(load.vector, loaded)

@@ -19,7 +19,7 @@ BODY = la.Body(
 
 
 def facets(where):
-    return boundary_facets(BODY, where, "Fix.where")
+    return boundary_facets(BODY.mesh, where, "Fix.where")
 
 
 def test_name_and_predicate_select_the_same():
@@ -34,7 +34,7 @@ def test_predicate_that_ends_on_a_vertex():
     slack = facets(lambda x: (x[1] > 0.7 - 1e-9) & (x[0] < 0.5 + 1e-9))
     assert np.array_equal(chosen, strict)
     assert np.array_equal(chosen, slack)
-    start, end, normal = facet_geometry(BODY, chosen)
+    start, end, normal = facet_geometry(BODY.mesh, chosen)
     assert chosen.size == 2
     assert np.maximum(start[0], end[0]).max() == 0.5
     assert np.array_equal(normal, [[0, 0], [1, 1]])
@@ -88,7 +88,7 @@ def test_a_mesh_without_names():
     bare = la.Body(BODY.mesh.refined(0).with_boundaries({}), la.VonMises(shear_strength=1.0))
     object.__setattr__(bare.mesh, "_boundaries", None)
     with pytest.raises(la.InputError, match="none is known"):
-        boundary_facets(bare, "top", "Fix.where")
+        boundary_facets(bare.mesh, "top", "Fix.where")
 
 
 @given(angle=st.floats(0, 2 * np.pi), crossed=st.booleans())
@@ -97,7 +97,7 @@ def test_outward_normals_close_up(angle, crossed):
     mesh = la.meshes.rectangle((0, 2), (0, 1), 3, 2, crossed)
     rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     body = la.Body(replace(mesh, doflocs=rotation @ mesh.p), la.VonMises(shear_strength=1.0))
-    start, end, normal = facet_geometry(body, body.mesh.boundary_facets())
+    start, end, normal = facet_geometry(body.mesh, body.mesh.boundary_facets())
     length = np.linalg.norm(end - start, axis=0)
     # Round-off of ten terms of order one.
     assert np.allclose(normal @ length, 0, atol=1e-13)

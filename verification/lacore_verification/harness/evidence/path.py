@@ -16,8 +16,7 @@ from lacore.numerics.arrays import Floats
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
 from lacore.paths.control import driven_by, gauge_of
-from lacore.paths.flow import Moment, flow_of, limit_problem
-from lacore.paths.path import Snapshot
+from lacore.paths.flow import Moment, Snapshot, flow_of, limit_problem
 from lacore.paths.stage import Stage, staged
 from lacore.paths.tools.carrier import moved_shape
 from lacore.paths.tools.tool import Tooling, tooling

@@ -10,9 +10,8 @@ from functools import cache
 
 import numpy as np
 
-from lacore.model.bodies.continuum.plasticity import vertex_rule
 from lacore.model.bodies.continuum.regions.region import Region
-from lacore.model.bodies.continuum.regions.varying import Varying
+from lacore.model.bodies.continuum.regions.varying import Varying, vertex_rule
 from lacore.model.bodies.continuum.solid.lattice import divided
 from lacore.model.bodies.continuum.spaces import VelocitySpace
 from lacore.numerics.arrays import Floats

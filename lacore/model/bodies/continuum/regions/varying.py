@@ -21,6 +21,11 @@ from lacore.reporting.text import Quantity, text
 _STEEPER = 1e-9  # relative round-off of a slope
 
 
+def vertex_rule(vertices: int) -> Floats:
+    """Return the matrix from strengths at vertices to those of the vertex rule (T85), square."""
+    return np.asarray((np.eye(vertices) + 1) / (vertices + 1))
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Varying(Compact):
     """`Field` in the elements of a region, without its factor.

@@ -80,13 +80,13 @@ def face_conditions(
     parts = [_none()]
     for support in supports:
         if support.body == name:
-            facets = boundary_facets(body, support.where, "Fix.where")
+            facets = boundary_facets(body.mesh, support.where, "Fix.where")
             _, outward = face_geometry(body.mesh, facets)
             for direction in _directions(support, outward.T):
                 parts.append(_held(facets, direction))
     for number, footing in enumerate(footings):
         if footing.body == name:
-            facets = boundary_facets(body, footing.where, "RigidFooting.where")
+            facets = boundary_facets(body.mesh, footing.where, "RigidFooting.where")
             _, outward = face_geometry(body.mesh, facets)
             for direction in footing.held(outward.T):
                 parts.append(_held(facets, direction, number))
