@@ -8,13 +8,12 @@ error O(e^2) of the load factor and of the next node, so a few iterations give f
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.span_nodes import places_on, with_nodes
-from lacore.limit.outcome import Outcome
+from lacore.limit.outcome import Outcome, Times
 from lacore.limit.span_moments import span_excess, span_moments
 from lacore.limit.state import LimitState
 from lacore.model.bodies.any_body import of_kind
@@ -23,34 +22,26 @@ from lacore.model.problem.problem import Problem
 from lacore.reporting.status import Status
 
 ROUNDS = 12
-_REGULARISED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _APART = 0.1  # of a piece: nodes of earlier rounds nearer than this give way to the next ones
 
 
 def with_hinges(
     given: Problem,
     problem: Problem | Discretisation,
-    tolerance: float,
-    solved: Callable[[Problem | Discretisation], Outcome],
+    solved: Callable[[Problem | Discretisation, Times], Outcome],
 ) -> Outcome:
     """Solve again with nodes where moments exceed the plastic moment, until they exceed it nowhere.
 
     Args:
         given: The problem before any round.
         problem: The problem, or its discretisation.
-        tolerance: Relative excess that is allowed.
-        solved: Solves the problem with its present nodes.
+        solved: Solves a problem with its present nodes, given the durations of earlier rounds.
     """
-    outcome = solved(problem)
-    tolerance = _REGULARISED if outcome.regularised else tolerance
+    outcome = solved(problem, Times())
     for _ in range(ROUNDS):
-        if outcome.status is not Status.SOLVED or excess(outcome) <= tolerance:
-            return outcome
-        times, finer = outcome.times, hinged(outcome, given, tolerance)
-        outcome = solved(finer)
-        outcome = replace(outcome, times=times.plus(outcome.times))
-    if outcome.status is Status.SOLVED and not (over := excess(outcome)) <= tolerance:
-        return replace(outcome, excess=over)
+        if outcome.status is not Status.SOLVED or excess(outcome) <= outcome.allowed_excess:
+            break
+        outcome = solved(hinged(outcome, given), outcome.times)
     return outcome
 
 
@@ -60,20 +51,19 @@ def excess(found: Outcome | LimitState) -> float:
     return span_excess(found.discretisation, found.point)
 
 
-def hinged(state: Outcome, given: Problem, tolerance: float) -> Problem:
+def hinged(state: Outcome, given: Problem) -> Problem:
     """The problem of an outcome with nodes where its moments exceed the plastic moment most.
 
     Args:
         state: with a point.
         given: the problem before any round: its nodes stay.
-        tolerance: excess that is none, relative.
     """
     problem, places = state.discretisation.problem, {}
     assert state.point is not None
     for name, dofs in state.discretisation.frames.items():
         moments, frame = span_moments(state.discretisation, state.point, name), dofs.body
         used, share = moments.use(frame)
-        chosen = np.flatnonzero(used > 1 + tolerance)
+        chosen = np.flatnonzero(used > 1 + state.allowed_excess)
         new = places_on(frame, chosen, share[chosen])
         first = of_kind(given.bodies, Frame)[name]
         old = frame.position[:, ~np.isin(frame.names, first.names)]

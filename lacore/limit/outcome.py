@@ -28,8 +28,8 @@ from lacore.reporting.status import Rigor, Scope, Status
 class Times:
     """Durations of a solve, s: assembly, the rest without compilation, compilation."""
 
-    build: float
-    solve: float
+    build: float = 0.0
+    solve: float = 0.0
     compile: float = 0.0
 
     def plus(self, other: Times) -> Times:
@@ -71,8 +71,8 @@ class Outcome(Compact):
         certificate: Its residuals.
         findings: Reasons of the loop, or of the proof of its claim.
         ray: Proof of LOCKED or UNSAFE, dimensionless.
-        excess: Share by which moments inside members exceed the plastic moment beyond tolerance.
         times: Durations.
+        allowed_excess: Share by which moments inside members may exceed the plastic moment.
     """
 
     discretisation: Discretisation
@@ -86,7 +86,7 @@ class Outcome(Compact):
     findings: tuple[Finding, ...]
     ray: Ray | None
     times: Times
-    excess: float = 0.0
+    allowed_excess: float = np.inf
 
     @property
     def bracket(self) -> tuple[float, float] | None:
@@ -129,6 +129,7 @@ def outcome_of(
     *,
     regularised: bool = False,
     proof: Proof | None = None,
+    allowed_excess: float = np.inf,
 ) -> Outcome:
     """Return the outcome of a loop, with what is proven of its claim if that needs a proof."""
     point, certificate = coupled.final.state, coupled.final.certificate
@@ -153,6 +154,7 @@ def outcome_of(
         findings=proof.findings,
         ray=proof.ray,
         times=times,
+        allowed_excess=allowed_excess,
     )
 
 

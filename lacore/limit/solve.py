@@ -104,7 +104,9 @@ def solve(
         process=process,
         friction_start=FrictionStart(normal_reaction, slip),
     )
-    outcome = with_hinges(given, problem, tolerance, lambda own: proven_outcome(own, request))
+    outcome = with_hinges(
+        given, problem, lambda own, earlier: proven_outcome(own, request, earlier)
+    )
     return limit_state(outcome, backend, options or {}).checked(throw)
 
 
