@@ -67,8 +67,9 @@ def by_multipliers(
     doubt = _jump([own for own, joint in zip(parameters, jointly, strict=True) if joint], nearby)
     rows = []
     for own, derivative, why, joint in zip(parameters, slopes, whys, jointly, strict=True):
-        row = {"left": derivative, "right": derivative, "unique": not why, "why": why}
-        if not why and (doubt or not joint):
+        known = bool(np.isfinite(derivative))
+        row = {"left": derivative, "right": derivative, "unique": known, "why": why}
+        if known and (doubt or not joint):
 
             def at(value: float, own: Parameter = own) -> float:
                 found = nearby.solved(own.at(problem, value))

@@ -65,11 +65,11 @@ class Sensitivity(Result):
     def findings(self) -> tuple[Finding, ...]:
         """Findings on how derivatives were computed, and which parameters have none."""
         table = self.table
-        one_sided = ~table["unique"] & (table["why"] == "")
+        known = table[["left", "right"]].notna().all(axis=1)
         found = [Finding(_METHODS[name]) for name in dict.fromkeys(table["method"])]
         for kind, name, which in (
-            (Kind.ONE_SIDED, "parameters", table["parameter"][one_sided]),
-            (Kind.NO_DERIVATIVE, "parameters", table["parameter"][table["why"] != ""]),
+            (Kind.ONE_SIDED, "parameters", table["parameter"][known & ~table["unique"]]),
+            (Kind.NO_DERIVATIVE, "parameters", table["parameter"][~known]),
             (Kind.LEFT_OUT, "loads", self.left_out),
         ):
             if len(which):

@@ -36,29 +36,34 @@ class Quantity:
     def _all(self) -> tuple[float | str, ...]:
         return self.numbers if isinstance(self.numbers, tuple) else (self.numbers,)
 
-    def rendered(self, units: Units | None = None, framed: bool = False) -> str:
+    def rendered(
+        self, units: Units | None = None, framed: bool = False, mathtext: bool = False
+    ) -> str:
         """Return the numbers with their unit, in SI where no units are given."""
         of_frame = framed or self.framed
         size = 1.0 if units is None else units.size(self.unit, of_frame)
         label = self.unit if units is None else units.label(self.unit, of_frame)
-        shown = [self._number(own, size, units is None) for own in self._all]
+        shown = [self._number(own, size, units is None, mathtext) for own in self._all]
         pattern = self.pattern or (
             "{}" if len(shown) == 1 else f"({', '.join('{}' for _ in shown)})"
         )
         gap = "" if label in ("", "°") else " "
         return f"{pattern.format(*shown)}{gap}{label}"
 
-    def _number(self, own: float | str, size: float, in_si: bool) -> str:
+    def _number(self, own: float | str, size: float, in_si: bool, mathtext: bool) -> str:
         if isinstance(own, str):
             return own
-        if isinstance(own, int) and in_si:
-            return str(own)
         # Rounded in SI first, so that all readers see the same digits.
-        return f"{own:{self.form}}" if in_si else f"{float(f'{own:{self.form}}') / size:.7g}"
+        number = f"{own:{self.form}}"
+        if not in_si:
+            number = f"{float(number) / size:.7g}"
+        elif isinstance(own, int):
+            number = str(own)
+        return f"${typeset(number)}$" if mathtext and "e" in number else number
 
     def text_for(self, reader: Reader) -> str:
         """Return the numbers in the units of a reader."""
-        return self.rendered(reader.units, reader.framed)
+        return self.rendered(reader.units, reader.framed, reader.mathtext)
 
     def __str__(self) -> str:
         return self.rendered()
@@ -69,6 +74,26 @@ def interval(low: float, high: float, unit: str, form: str = "g") -> Quantity:
     if f"{low:{form}}" == f"{high:{form}}":
         return Quantity(low, unit, form)
     return Quantity((low, high), unit, form, "{} to {}")
+
+
+def typeset(number: str) -> str:
+    r"""Return a number in mathtext with its power of ten: ``5.2 \times 10^{-5}``."""
+    digits, _, power = number.partition("e")
+    return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """Symbol of a quantity, which is set in italics in pictures."""
+
+    name: str
+
+    def text_for(self, reader: Reader) -> str:
+        """Return the symbol, in mathtext for those that take it."""
+        return f"${self.name}$" if reader.mathtext else self.name
+
+    def __str__(self) -> str:
+        return self.name
 
 
 @dataclass(frozen=True)
@@ -99,11 +124,13 @@ class Reader:
         units: Units of the quantities; None: those of SI, with the given digits.
         files: Whether names are those of problem files rather than of Python.
         framed: Whether the text is about a frame, see `Units.size`.
+        mathtext: Whether symbols and powers of ten are in the mathtext of Matplotlib.
     """
 
     units: Units | None = None
     files: bool = False
     framed: bool = False
+    mathtext: bool = False
 
 
 PYTHON = Reader()

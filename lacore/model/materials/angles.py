@@ -11,6 +11,7 @@ from lacore.model.materials.fields import Field, Given, Strength, Strengths, num
 from lacore.model.materials.planes import require_angle, require_dilation
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError
+from lacore.reporting.text import Symbol
 
 
 @runtime_checkable
@@ -63,7 +64,7 @@ def require_angles(kind: str, friction: Strength, dilation: Strength | None) -> 
 def angles_told(friction: Strength, dilation: Strength | None) -> list[str]:
     """Return texts such as ``φ = 30°``, ``ψ = 10°``."""
     return [
-        number_told(name, own, "°") if isinstance(own, Field) else f"{name} = {own:.4g}°"
+        number_told(Symbol(name), own, "°")
         for name, own in (("φ", friction), ("ψ", dilation))
         if own is not None
     ]

@@ -15,7 +15,7 @@ from lacore.model.materials.von_mises import VonMises
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, require_known
 from lacore.reporting.showing import Compact
-from lacore.reporting.text import join
+from lacore.reporting.text import Symbol, join
 
 MATCHES = ("plane_strain", "compression", "extension")
 """Where a Drucker-Prager cone matches a Mohr-Coulomb one."""
@@ -124,7 +124,10 @@ class DruckerPrager(Compact):
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°, matched in compression``."""
-        told = [number_told("c", self._cohesion), *angles_told(self._friction, self._dilation)]
+        told = [
+            number_told(Symbol("c"), self._cohesion),
+            *angles_told(self._friction, self._dilation),
+        ]
         return join(", ", [*told, f"matched in {self.match.replace('_', ' ')}"])
 
     @property

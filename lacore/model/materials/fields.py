@@ -11,7 +11,7 @@ import numpy as np
 from lacore.numerics.arrays import Bools, Floats
 from lacore.reporting.errors import InputError, is_number, require_positive, require_range
 from lacore.reporting.showing import Compact, placed, short
-from lacore.reporting.text import Quantity, text
+from lacore.reporting.text import Quantity, Symbol, text
 
 Given = float | Sequence[float] | Callable[[Floats], Floats]
 """Argument for a strength: Pa, one value for each element of a mesh, or a function."""
@@ -157,7 +157,7 @@ def with_fields(criterion: Any, change: Callable[[Field], Field]) -> Any:
     return replace(criterion, **{name: change(own) for name, own in found.items()})
 
 
-def number_told(name: str, value: Strength, unit: str = "Pa") -> str:
+def number_told(name: str | Symbol, value: Strength, unit: str = "Pa") -> str:
     """Return a text such as ``k = 1 Pa``, or ``k varies``."""
     told = value.told_in(unit) if isinstance(value, Field) else Quantity(value, unit, ".4g")
     return text("{} {}" if isinstance(told, str) else "{} = {}", name, told)

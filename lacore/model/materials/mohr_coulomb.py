@@ -25,7 +25,7 @@ from lacore.model.materials.planes import (
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.showing import Compact, rounded_down
-from lacore.reporting.text import Quantity, join, text
+from lacore.reporting.text import Quantity, Symbol, join, text
 
 
 @dataclass(frozen=True, repr=False)
@@ -129,7 +129,10 @@ class MohrCoulomb(Compact):
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°``."""
-        told = [number_told("c", self._cohesion), *angles_told(self._friction, self._dilation)]
+        told = [
+            number_told(Symbol("c"), self._cohesion),
+            *angles_told(self._friction, self._dilation),
+        ]
         return join(", ", [*told, *limits_told(*self._cutoffs)])
 
     @property

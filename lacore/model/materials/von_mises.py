@@ -12,7 +12,7 @@ from lacore.model.materials.fields import Field, Given, Strength, number_told, t
 from lacore.model.materials.hardening import HardeningLaw, Perfect, require_hardening_law
 from lacore.reporting.errors import InputError, is_number, require_known, require_range
 from lacore.reporting.showing import Compact
-from lacore.reporting.text import Term, text
+from lacore.reporting.text import Symbol, Term, text
 
 
 @dataclass(frozen=True, repr=False)
@@ -94,7 +94,7 @@ class VonMises(Compact):
     def label(self) -> str:
         """Text on its shear strength."""
         first = "" if self.hardening is None else "hardening, at first "
-        return text("{}{}", first, number_told("k", self.k))
+        return text("{}{}", first, number_told(Symbol("k"), self.k))
 
     @property
     def law(self) -> HardeningLaw | None:

@@ -1,6 +1,5 @@
 """Bodies in the sketch of a problem: the shape of each kind, and the names of its parts."""
 
-import re
 from functools import singledispatch
 
 import numpy as np
@@ -51,7 +50,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
         )
         sheet.axes.add_collection(fill)
         named = _plain(region.name) or whole
-        text = f"{named}, {_symbols(render(region.label, Reader(sheet.units)))}"
+        text = f"{named}, {render(region.label, Reader(sheet.units, mathtext=True))}"
         if many:
             text = f"{whole}, {len(body.regions)} regions"
         sheet.handles[text] = Patch(facecolor=colour, edgecolor=_OUTLINE)
@@ -65,13 +64,6 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
 def _plain(name: str) -> str:
     """Return a user's name with dollars that do not start mathematics."""
     return name.replace("$", r"\$")
-
-
-def _symbols(label: str) -> str:
-    """Return the label of a criterion with its symbols and numbers in mathtext."""
-    raised = re.sub(r"(= [\d.]+)e([-+]\d+)", lambda m: rf"{m[1]} \times 10^{{{int(m[2])}}}", label)
-    told = re.sub(r"(\w+ = [^\s,]+(?: \\times \S+)?)", r"$\1$", raised)
-    return re.sub(r"\b(\w) varies", r"$\1$ varies", told)
 
 
 @draw_body.register

@@ -13,6 +13,7 @@ from matplotlib.textpath import TextPath
 from lacore.model.bodies.continuum.regions.region import Region
 from lacore.model.bodies.touching import Edges
 from lacore.numerics.arrays import Floats
+from lacore.reporting.text import typeset
 from lacore.reporting.units import Units
 
 TEXT = 9.0  # points
@@ -22,15 +23,9 @@ _REACHES = (1.5, 5.0, 10.0, 17.0, 27.0)  # points, between anchor and label
 _ON_SYMBOL, _ON_BODY, _FAR, _ASIDE = 10.0, 0.6, 0.03, 0.3  # cost of a place
 
 
-def typeset(size: float) -> str:
-    r"""Return a number in mathtext with its power of ten: ``5.2 \times 10^{-5}``."""
-    digits, _, power = f"{size:.4g}".partition("e")
-    return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
-
-
 def quantity(size: float, unit: str, units: Units, framed: bool = False) -> tuple[str, str]:
     """Return a size in mathtext, and its unit, see `Units.label`."""
-    return typeset(size / units.size(unit, framed)), units.label(unit, framed)
+    return typeset(f"{size / units.size(unit, framed):.4g}"), units.label(unit, framed)
 
 
 @dataclass(frozen=True)

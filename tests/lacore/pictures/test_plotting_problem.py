@@ -241,7 +241,7 @@ def test_two_bodies_are_named_as_they_are():
     figure = problem.plot()
     assert {"soil", "pier $x$_1", r"$\mu = 0.3$"} <= set(labels(figure))
     assert "rigid footing, rough" in legend(figure)
-    assert {"soil, $k = 1$ Pa", r"pier \$x\$_1, $k = 2$ Pa"} <= set(legend(figure))
+    assert {"soil, $k$ = 1 Pa", r"pier \$x\$_1, $k$ = 2 Pa"} <= set(legend(figure))
 
 
 def test_regions_have_their_own_entries_and_the_page_stays_as_wide_as_the_structure():
@@ -257,7 +257,7 @@ def test_regions_have_their_own_entries_and_the_page_stays_as_wide_as_the_struct
         ).plot()
         for own in (sand, criterion)
     )
-    assert {r"fill, $c = 2$ kPa, $φ = 32°$", "clay, $k = 12$ to 18 kPa"} <= set(legend(two))
+    assert {r"fill, $c$ = 2 kPa, $φ$ = 32°", "clay, $k$ = 12 to 18 kPa"} <= set(legend(two))
     assert {r"$\alpha \cdot 50$ kPa", "$576$ kN/m"} <= set(labels(two))
     page = two.axes[0].get_legend().get_window_extent()
     assert page.x1 <= two.bbox.x1
@@ -267,7 +267,7 @@ def test_regions_have_their_own_entries_and_the_page_stays_as_wide_as_the_struct
 def test_a_strength_that_hardens_is_the_first():
     law = la.hardening.Linear(3**0.5, 2.0)
     figure = continuum(bodies={"soil": la.Body(SOIL, la.VonMises(hardening=law))}).plot()
-    assert "rigid-plastic, hardening, at first $k = 1$ Pa" in legend(figure)
+    assert "rigid-plastic, hardening, at first $k$ = 1 Pa" in legend(figure)
 
 
 def test_frames_with_all_that_they_can_have():
