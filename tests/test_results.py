@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Iterator
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
@@ -61,6 +62,27 @@ def test_results_are_built_once():
         if any(replacements(ast.parse(path.read_text(encoding="utf-8"))))
     }
     assert found == POINTS | BUILDERS.keys()
+
+
+def test_every_result_is_on_one_interface():
+    """States, bounds, ranges, paths and the verdicts on them: also those that only compare."""
+    for name in (
+        *("coupling.interval:Interval", "limit.stability:Stability", "limit.state:LimitState"),
+        *("analyses.stable:Stable", "bounds.bracket.crushing_bracket:CrushingBracket"),
+        *("bounds.bracket.bracket:Bracket", "paths.path:Path", "paths.steady:SteadyState"),
+    ):
+        assert issubclass(resolve_name(f"lacore.{name}"), Result), name
+
+
+def test_the_verdict_on_dead_loads_reports_as_states_do():
+    column = la.examples.column()
+    found = la.stable(column)
+    assert found.status is la.Status.SOLVED
+    assert found.findings[0].kind is Kind.DEAD_LOADS
+    assert found.checked(throw=True) is found
+    interval = la.solve(column).interval()
+    assert interval.findings == ()  # plane: no slack of turning directions
+    assert interval.message == ""
 
 
 def test_replacements_are_seen():

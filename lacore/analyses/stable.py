@@ -24,8 +24,8 @@ from lacore.reporting import views
 from lacore.reporting.errors import CapabilityError, InputError, require_positive, typed
 from lacore.reporting.findings import Finding, Message, Severity
 from lacore.reporting.kinds import Kind
-from lacore.reporting.showing import Facts, Picture, Shown
-from lacore.reporting.status import Rigor, Standing, Status
+from lacore.reporting.showing import Facts, Picture
+from lacore.reporting.status import Reported, Rigor, Standing, Status
 from lacore.solvers.backend import find_backend
 from lacore.solvers.compilation import SolveClock
 from lacore.solvers.registry import PROVING_BACKEND
@@ -41,7 +41,7 @@ _STATUS = {
 
 
 @dataclass(frozen=True, repr=False)
-class Stable(Shown):
+class Stable(Reported):
     """Stability of a structure under its dead loads alone, with the proof.
 
     Attributes:
@@ -57,6 +57,16 @@ class Stable(Shown):
     stability: Stability
     state: LimitState
 
+    @property
+    def status(self) -> Status:
+        """That of the state: SOLVED, UNSAFE or NOT_CERTIFIED."""
+        return self.state.status
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is proven, and conditions of the proof or the reason why there is none."""
+        return self.state.findings
+
     def __bool__(self) -> bool:
         """Return whether it is proven to stand."""
         return self.stands is True
@@ -64,8 +74,8 @@ class Stable(Shown):
     def facts(self) -> Facts:
         """Return what is proven, with residuals, for printing."""
         told = {"residual": f"largest {self.stability.residual:.1e}"}
-        if self.stability.why:
-            told["why"] = self.stability.why
+        if self.stability.findings:
+            told["findings"] = self.stability.message
         told["solved by"] = f"{self.state.backend} in {self.state.solve_time:.3g} s"
         told["size"] = self.state.discretisation.contents
         standing = self.stability.standing

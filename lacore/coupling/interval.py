@@ -22,8 +22,10 @@ from lacore.program.kinematic import (
 )
 from lacore.program.power import kinematic_power
 from lacore.program.state import ProgramState
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Facts, Shown
-from lacore.reporting.status import Status
+from lacore.reporting.status import Result, Status
 from lacore.solvers.backend import Prepare, checked_answer
 
 _FURTHER = 2  # faces tried after one whose end is certified with a larger residual
@@ -71,7 +73,7 @@ class End(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class Interval(Shown):
+class Interval(Result):
     """Load factors that one mechanism carries: all of [low, high].
 
     Ends are rounded outwards, by the tolerance of their proofs and to the load factor of the state,
@@ -97,15 +99,10 @@ class Interval(Shown):
         return self.upper.load_factor
 
     @property
-    def told(self) -> str:
-        """Text on the slack of the ends; empty for plane problems."""
-        own = self.lower.slack, self.upper.slack
-        if not any(own):
-            return ""
-        return (
-            "directions of slip turn continuously in three dimensions: the ends have a gap of the"
-            f" tolerance, which moves them by about {own[0]:.1e} and {own[1]:.1e} in load factor"
-        )
+    def findings(self) -> tuple[Finding, ...]:
+        """The slack of the ends; empty for plane problems."""
+        slack = {"lower": self.lower.slack, "upper": self.upper.slack}
+        return (Finding(Kind.SLACK, values=slack),) if any(slack.values()) else ()
 
     @property
     def exact(self) -> bool:
@@ -120,14 +117,16 @@ class Interval(Shown):
             for side, end in (("low", self.lower), ("high", self.upper))
         }
         told["residual"] = f"{self.lower.certificate.summary}; {self.upper.certificate.summary}"
-        if self.told:
-            told["slack"] = self.told
+        if self.findings:
+            told["slack"] = self.message
         title = f"Interval: this mechanism carries load factors {self.low:.7g} to {self.high:.7g}"
         return Facts(title, told)
 
     def __str__(self) -> str:
         ends = f"{self.low:.6g} ({self.lower.status.label}), {self.high:.6g}"
-        return f"[{ends} ({self.upper.status.label})]" + (f", {self.told}" if self.told else "")
+        return f"[{ends} ({self.upper.status.label})]" + (
+            f", {self.message}" if self.findings else ""
+        )
 
 
 def load_factor_interval(

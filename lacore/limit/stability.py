@@ -31,10 +31,10 @@ from lacore.program.kinematic import (
     require_homogeneous,
 )
 from lacore.program.state import ProgramState
-from lacore.reporting.findings import Finding, texts
+from lacore.reporting.findings import Finding
 from lacore.reporting.kinds import Kind
-from lacore.reporting.showing import Facts, Shown
-from lacore.reporting.status import Standing, Status
+from lacore.reporting.showing import Facts
+from lacore.reporting.status import Result, Standing, Status
 from lacore.reporting.text import PYTHON, Reader
 from lacore.solvers.backend import Prepare, checked_answer, find_backend
 from lacore.solvers.inner.preparing import preparer_named
@@ -48,7 +48,7 @@ _SAME = 1e-6  # relative: closer load factors are equal within the tolerance
 
 
 @dataclass(frozen=True, repr=False)
-class Stability(Shown):
+class Stability(Result):
     """Proven behaviour of a structure under its dead loads, and the load factors that it carries.
 
     Attributes:
@@ -73,14 +73,9 @@ class Stability(Shown):
     residual: float
     findings: tuple[Finding, ...] = ()
 
-    @property
-    def why(self) -> str:
-        """Text of the findings: why it is undecided, or conditions of the proof; may be empty."""
-        return texts(self.findings)
-
     def facts(self) -> Facts:
         """Return the proven behaviour and the residual of the proof."""
-        facts = {"why": self.why} if self.why else {}
+        facts = {"findings": self.message} if self.findings else {}
         facts["carried"] = f"load factors {self.low:.7g} to {self.high:.7g}"
         if np.isnan(self.low):
             facts["carried"] = "no load factor is proven to be"
@@ -89,8 +84,8 @@ class Stability(Shown):
 
     def text_for(self, reader: Reader) -> str:
         """Return the proven behaviour for a reader, without the label."""
-        why = texts(self.findings, reader)
-        return f"{self.proven} ({why})" if why else self.proven
+        findings = self.report.text_for(reader)
+        return f"{self.proven} ({findings})" if findings else self.proven
 
     def __str__(self) -> str:
         return f"{self.standing.label}: {self.text_for(PYTHON)}"

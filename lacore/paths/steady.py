@@ -14,7 +14,8 @@ from lacore.paths.stage import Stage
 from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
-from lacore.reporting.showing import Compact
+from lacore.reporting.showing import Compact, Facts
+from lacore.reporting.status import Result
 from lacore.reporting.text import Quantity
 
 _PARTS = 3  # of a window, whose means are compared
@@ -64,7 +65,7 @@ class Steady(Compact):
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyState(Compact):
+class SteadyState(Result):
     """Whether a path has become steady, see `Steady`.
 
     Attributes:
@@ -73,7 +74,7 @@ class SteadyState(Compact):
         force: mean of `PathStep.force` since then, or over the window; NaN without a window.
         drift: of the load over the window, relative to its mean; NaN without a window.
         flow: difference of the velocities; NaN if it is unknown.
-        finding: The reason; `message` is its text.
+        findings: The reason.
     """
 
     reached: bool
@@ -81,12 +82,12 @@ class SteadyState(Compact):
     force: float
     drift: float
     flow: float
-    finding: Finding
+    findings: tuple[Finding, ...]
 
-    @property
-    def message(self) -> str:
-        """Text of the reason."""
-        return str(self.finding)
+    def facts(self) -> Facts:
+        """Return the reason, and the mean force."""
+        title = "SteadyState: reached" if self.reached else "SteadyState: not reached"
+        return Facts(title, {"reason": self.message, "force": f"mean {self.force:.7g}"})
 
     def __str__(self) -> str:
         return self.message
@@ -132,7 +133,7 @@ def steady_state(
     finding = Finding(Kind.NOT_STEADY, (), {"loads": loads}, Severity.REASON)
     if reached:
         finding = Finding(Kind.STEADY, (), {"step": since, "loads": loads}, Severity.REASON)
-    return SteadyState(reached, since, mean, drift, change, finding)
+    return SteadyState(reached, since, mean, drift, change, (finding,))
 
 
 def _length(unit: str, travel: float) -> Quantity | float:
@@ -151,7 +152,8 @@ def drift_of(loads: Floats) -> float:
 
 def _not_reached(kind: Kind, **values: Any) -> SteadyState:
     nan = float("nan")
-    return SteadyState(False, None, nan, nan, nan, Finding(kind, (), values, Severity.REASON))
+    finding = Finding(kind, (), values, Severity.REASON)
+    return SteadyState(False, None, nan, nan, nan, (finding,))
 
 
 def _flow_change(snapshots: Sequence[Snapshot], stage_of: StageOf, travel: float) -> float:

@@ -90,7 +90,7 @@ def _steady(until: Steady | None, call: Caller) -> tuple[Finding, ...]:
     if until is None:
         return ()
     found = call.so_far().steady(until)
-    return (found.finding,) if found.reached else ()
+    return found.findings if found.reached else ()
 
 
 def _taken(

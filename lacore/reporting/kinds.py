@@ -236,6 +236,10 @@ class Kind(Enum):
         "{where!r} has the least load factor; that it governs is not proven against {cases}: take"
         " target_width for deformable bodies, {terms.COULOMB_RANGE} for friction"
     )
+    SLACK = (
+        "directions of slip turn continuously in three dimensions: the ends have a gap of the"
+        " tolerance, which moves them by about {lower:.1e} and {upper:.1e} in load factor"
+    )
     BY_MULTIPLIERS = "by multipliers of the state (envelope theorem)"
     BY_DIFFERENCES = (
         "by differences of certified load factors on either side, accurate to about 1e-3 of an"

@@ -20,8 +20,9 @@ from lacore.model.bodies.blocks3d.surface import axes_of
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats, Geometries, Ints
 from lacore.reporting.errors import InputError, require_count, require_width, typed
-from lacore.reporting.showing import Facts, Picture, Shown, counted
-from lacore.reporting.status import Status
+from lacore.reporting.findings import Finding
+from lacore.reporting.showing import Facts, Picture, counted
+from lacore.reporting.status import Reported, Status
 from lacore.reporting.text import PYTHON
 
 _SHARE = 0.98  # share of the difference of the bounds in the cells that are cut
@@ -32,7 +33,7 @@ _HALVINGS = 50  # bisections to place a cut: 1e-15 of the cell
 
 
 @dataclass(frozen=True, repr=False)
-class CrushingBracket(Shown):
+class CrushingBracket(Reported):
     """Bounds of the load factor of joints that crush, with associated friction (T95).
 
     No Coulomb load factor of these joints exceeds `high` either (T14).
@@ -55,6 +56,11 @@ class CrushingBracket(Shown):
     rounds: pd.DataFrame
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Those of the state with the status of the bracket: of the lower one if it proves less."""
+        return (self.upper if self.upper.status is self.status else self.lower).findings
+
+    @property
     def width(self) -> float:
         """``(high - low)/high``."""
         return (self.high - self.low) / self.high if self.high else nan
@@ -62,7 +68,7 @@ class CrushingBracket(Shown):
     def facts(self) -> Facts:
         """Return the proven bounds, for printing."""
         told = {
-            "status": self.upper.report.summary_for(PYTHON),
+            "status": self.report.summary_for(PYTHON),
             "rounds": f"{counted(len(self.rounds), 'round')}, {self.lower.discretisation.contents}",
         }
         title = f"CrushingBracket: load factor in [{self.low:.7g}, {self.high:.7g}]"
