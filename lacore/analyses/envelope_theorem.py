@@ -16,7 +16,8 @@ import numpy as np
 from lacore.analyses.differences import two_sided
 from lacore.analyses.lagrangian import Frozen, NotComparableError, frozen, slope
 from lacore.analyses.parameters import LOAD, STRENGTH, Parameter
-from lacore.limit.solve import TOLERANCE, solve
+from lacore.limit.constants import TOLERANCE
+from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats

@@ -14,7 +14,8 @@ from lacore.analyses.differences import by_differences
 from lacore.analyses.envelope_theorem import Nearby, by_multipliers
 from lacore.analyses.parameters import OWN, Parameter, parameters_of, without_parameter
 from lacore.coupling.kinds import ASSOCIATED, COUPLINGS
-from lacore.limit.solve import TOLERANCE, solve
+from lacore.limit.constants import TOLERANCE
+from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.model.problem.problem import Problem
 from lacore.reporting import views

@@ -13,6 +13,7 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.span_nodes import places_on, with_nodes
+from lacore.limit.constants import HINGING_ROUNDS, NODES_APART
 from lacore.limit.outcome import Outcome, Times
 from lacore.limit.span_moments import span_excess, span_moments
 from lacore.limit.state import LimitState
@@ -20,9 +21,6 @@ from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.frames.frame import Frame
 from lacore.model.problem.problem import Problem
 from lacore.reporting.status import Status
-
-ROUNDS = 12
-_APART = 0.1  # of a piece: nodes of earlier rounds nearer than this give way to the next ones
 
 
 def with_hinges(
@@ -38,7 +36,7 @@ def with_hinges(
         solved: Solves a problem with its present nodes, given the durations of earlier rounds.
     """
     outcome = solved(problem, Times())
-    for _ in range(ROUNDS):
+    for _ in range(HINGING_ROUNDS):
         if outcome.status is not Status.SOLVED or excess(outcome) <= outcome.allowed_excess:
             break
         outcome = solved(hinged(outcome, given), outcome.times)
@@ -67,7 +65,7 @@ def hinged(state: Outcome, given: Problem) -> Problem:
         new = places_on(frame, chosen, share[chosen])
         first = of_kind(given.bodies, Frame)[name]
         old = frame.position[:, ~np.isin(frame.names, first.names)]
-        near = _APART * moments.length[chosen]
+        near = NODES_APART * moments.length[chosen]
         away = np.linalg.norm(old[:, :, None] - new[:, None, :], axis=0)
         kept = old[:, np.all(away > near, axis=1)]
         places[name] = np.concatenate([kept, new], axis=1)

@@ -15,6 +15,7 @@ from skfem import MeshTri
 from skfem.mesh import MeshTri1
 
 from lacore.assembly.discretisation import Discretisation
+from lacore.limit.constants import BEYOND, FLAT, LESS_LOAD, SHOWING_ELEMENTS
 from lacore.limit.judges.reached import doubtful_supports, side
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body
@@ -27,13 +28,6 @@ from lacore.reporting.errors import InputError
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity
-
-_DEPTH = 0.2  # of the body across the side: the row of elements beyond
-# Of the load factor. From 180 elements on, the row reduces the load of footings whose box ends a
-# fifth before their mechanism by 3.8 to 8 %, and that of the boxes of cases by at most 2.8 %.
-_LESS = 0.035
-_ENOUGH = 180  # elements; on fewer the reduction was 9 % although a box was large enough
-_FLAT = 1e-9  # of the size of a body: vertices on one line
 
 
 def held_back(
@@ -56,10 +50,10 @@ def held_back(
     found = []
     problem = discretisation.problem
     for support, outward in doubtful_supports(discretisation, velocity):
-        depth = _DEPTH * float(np.ptp(outward @ _body(problem, support.body).mesh.p))
+        depth = BEYOND * float(np.ptp(outward @ _body(problem, support.body).mesh.p))
         larger = with_ground_beyond(problem, support, depth * outward)
         less = 0.0 if larger is None else _less(problem, larger, support.body, solved, load)
-        if less > _LESS:
+        if less > LESS_LOAD:
             values = {"depth": Quantity(depth, "m", ".3g"), "percent": 100 * less}
             where = (side(support),)
             found.append(Finding(Kind.MORE_GROUND, where, values, Severity.WARNING))
@@ -77,7 +71,7 @@ def _less(
     while True:
         load = solved(problem) if load is None else load
         less = 1 - solved(larger) / load if load > 0 else 0.0
-        if not less > _LESS or _body(problem, body).mesh.nelements >= _ENOUGH:
+        if not less > LESS_LOAD or _body(problem, body).mesh.nelements >= SHOWING_ELEMENTS:
             return less
         try:
             problem, larger, load = _finer(problem, body), _finer(larger, body), None
@@ -116,7 +110,7 @@ def with_ground_beyond(problem: Problem, support: Fix, step: Floats) -> Problem 
     mesh, facets = body.mesh, facets_of(support, body.mesh)
     held = np.unique(mesh.facets[:, facets])
     height = step @ mesh.p / np.linalg.norm(step)
-    if height.max() - height[held].min() > _FLAT * body.size:
+    if height.max() - height[held].min() > FLAT * body.size:
         return None
     parts: dict[str, Ints] = {}
     continued: set[str] = set()

@@ -16,6 +16,7 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Coupled, Iterate, Run
 from lacore.limit.backend_choice import backend_for, program_to_solve
+from lacore.limit.constants import REGULARISED_EXCESS
 from lacore.limit.outcome import Outcome, Proof, Times, outcome_of
 from lacore.limit.stability import stability_of
 from lacore.model.problem.problem import Problem
@@ -28,8 +29,6 @@ from lacore.solvers.inner.preparing import preparer, preparer_named, rough_optio
 from lacore.solvers.inner.rescaling import good_for
 from lacore.solvers.isolation import SolverProcess, make_ready
 from lacore.solvers.registry import PROVING_BACKEND
-
-_REGULARISED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,7 +98,7 @@ def proven_outcome(problem: Problem | Discretisation, request: Request, earlier:
         earlier.plus(times),
         regularised=regularised,
         proof=proof,
-        allowed_excess=_REGULARISED if regularised else request.loop.tolerance,
+        allowed_excess=REGULARISED_EXCESS if regularised else request.loop.tolerance,
     )
 
 

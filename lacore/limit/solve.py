@@ -11,6 +11,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.friction_start import FrictionStart
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Iterate, answered_by
+from lacore.limit.constants import ACCEPTED, SOLVES_IN_SPACE, TOLERANCE
 from lacore.limit.conversion import point_in_si, ray_in_si
 from lacore.limit.hinging import with_hinges
 from lacore.limit.judges.judging import judged
@@ -24,10 +25,6 @@ from lacore.program.regularization import RegularisedValues
 from lacore.reporting.errors import renamed_argument, typed
 from lacore.reporting.status import Status
 from lacore.solvers.isolation import SolverProcess
-
-TOLERANCE = 1e-6
-ACCEPTED = 5e-5  # for soils with non-associated flow: relative to the dissipated power (T53, T58)
-SOLVES_IN_SPACE = 300  # solves of a loop: domes and vaults need ten times as many as walls
 
 
 @renamed_argument("pressed", "normal_reaction")

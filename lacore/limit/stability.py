@@ -19,6 +19,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.claims.dead_loads import DeadLoadProof, prove_dead_loads
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit import cells
+from lacore.limit.constants import SAME_LOAD_FACTOR
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
@@ -43,8 +44,6 @@ from lacore.solvers.registry import PROVING_BACKEND
 Verdict = tuple[Standing, tuple[Finding, ...]]
 Conclude = Callable[[Standing, tuple[Finding, ...]], Verdict]
 """Returns the verdict to report, given what is proven of the discrete problem."""
-
-_SAME = 1e-6  # relative: closer load factors are equal within the tolerance
 
 
 @dataclass(frozen=True, repr=False)
@@ -193,7 +192,9 @@ def _side(low: float, high: float, load_factor: float) -> str:
     """Return on which side of a load factor others are carried."""
     if not np.isfinite(load_factor):
         return ""
-    slack = _SAME * max(abs(value) for value in (low, high, load_factor) if np.isfinite(value))
+    slack = SAME_LOAD_FACTOR * max(
+        abs(value) for value in (low, high, load_factor) if np.isfinite(value)
+    )
     below, above = low < load_factor - slack, high > load_factor + slack
     return {(1, 0): "below", (0, 1): "above", (1, 1): "both"}.get((below, above), "")
 

@@ -18,9 +18,10 @@ from lacore.coupling.claims.proving import Ray
 from lacore.coupling.interval import Interval
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit.checking import checked
+from lacore.limit.constants import RESTING
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
-from lacore.limit.tables.contact_table import RESTING, Table, contact_table
+from lacore.limit.tables.contact_table import Table, contact_table
 from lacore.limit.tables.held_parts import support_reactions
 from lacore.model.bodies.continuum.nodal import point_values
 from lacore.model.bodies.continuum.regions import gathering

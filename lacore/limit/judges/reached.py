@@ -7,6 +7,7 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.slips import contact_facets
+from lacore.limit.constants import FACING_SIDES, IN_DOUBT, MOVES, NEAR_SUPPORT, ROLLS
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.boundaries import facets_of, outward_normals
 from lacore.model.bodies.continuum.dofs import BodyDofs
@@ -17,19 +18,7 @@ from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 
-# Distance from a support, per size of the body, at which motion counts as motion at the support.
-_NEAR = 0.02
-# Of the largest speed. It is 0.12 for footings in boxes a tenth larger than the mechanism, on 40 to
-# 1920 elements. In boxes that raise the load by 5 % it is 0.11 on 160 elements, 0.13 on 576, 0.2 on
-# 1920.
-_MOVES = 0.15
-# The same for rollers, which do not restrain motion along them: 0.23 for footings in boxes a tenth
-# larger than the mechanism, on 40 to 1344 elements; 0.53 and more if the box ends with it.
-_ROLLS = 0.35
-# Of the largest speed, in elements at a support that are too large to show where motion ends.
-_IN_DOUBT = 0.5
 _WHOLE = ("xy", "xyz")  # supports of all components, in two and three dimensions
-_FACING = -0.99  # cosine of outward normals of sides that face each other
 
 
 def reached_supports(discretisation: Discretisation, velocity: Floats | None) -> Finding | None:
@@ -50,7 +39,7 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
         if rollers and not _of_a_box(support, discretisation.problem, dofs.body):
             continue
         near = _beside(dofs, facets_of(support, dofs.body.mesh), speed)
-        if near > (_ROLLS if rollers else _MOVES) * fastest > 0:
+        if near > (ROLLS if rollers else MOVES) * fastest > 0:
             reached.append(side(support))
             rolling |= rollers
     if not reached:
@@ -73,7 +62,7 @@ def doubtful_supports(
         if support.components not in _WHOLE or outward is None or not _rubs(dofs.body):
             continue
         nodes = _nodes_beside(dofs, facets_of(support, dofs.body.mesh))
-        if float(speed[nodes].max(initial=0.0)) > _IN_DOUBT * fastest > 0:
+        if float(speed[nodes].max(initial=0.0)) > IN_DOUBT * fastest > 0:
             found.append((support, outward))
     return tuple(found)
 
@@ -111,7 +100,7 @@ def _of_a_box(support: Fix, problem: Problem, body: Body) -> bool:
     """
     own = [one for one in problem.supports if one.body == support.body]
     held = [normal for one in own if (normal := _held_across(one, body)) is not None]
-    faced = any(float(one @ other) < _FACING for one in held for other in held)
+    faced = any(float(one @ other) < FACING_SIDES for one in held for other in held)
     if not faced or _held_across(support, body) is None:
         return False
     ends = np.unique(body.mesh.facets[:, facets_of(support, body.mesh)])
@@ -132,8 +121,8 @@ def _held_across(support: Fix, body: Body) -> Floats | None:
     normal = normals[:, 0]
     across = {axis: abs(part) for axis, part in zip("xyz", normal, strict=False)}
     across["tangential"] = 0.0
-    straight = float((normal @ normals).min()) > -_FACING
-    held = across.get(support.components, 1.0) > -_FACING
+    straight = float((normal @ normals).min()) > -FACING_SIDES
+    held = across.get(support.components, 1.0) > -FACING_SIDES
     return np.asarray(normal) if straight and held else None
 
 
@@ -153,7 +142,7 @@ def _nodes_beside(dofs: BodyDofs, facets: Ints) -> Ints:
 
 def _beside(dofs: BodyDofs, facets: Ints, speed: Floats) -> float:
     """Largest speed at 2 % of the size of a body from facets, as it rises to the next vertices."""
-    mesh, near = dofs.body.mesh, _NEAR * dofs.body.size
+    mesh, near = dofs.body.mesh, NEAR_SUPPORT * dofs.body.size
     nodes = _nodes_beside(dofs, facets)
     distance = _distance(dofs.nodes[:, nodes], mesh.p[:, mesh.facets[:, facets]])
     return float((speed[nodes] * near / np.maximum(distance, near)).max(initial=0.0))

@@ -7,13 +7,13 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from lacore.assembly.discretisation import Discretisation
+from lacore.limit.constants import RESTING
 from lacore.model.contact.rows import ContactPoints, tangents
 from lacore.numerics.arrays import Floats, Ints
 from lacore.program.kinematic import ContactRows
 from lacore.program.state import ProgramState
 from lacore.reporting.errors import InputError
 
-RESTING = 1e-6
 """Share of the largest velocity below which contact points and hinges count as at rest."""
 OBSTACLE = "obstacle"
 _SIZE = {2: "length", 3: "area"}

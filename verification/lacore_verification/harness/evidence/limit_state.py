@@ -11,7 +11,7 @@ import pandas as pd
 
 import lacore as la
 from lacore.limit.checking import recomputed
-from lacore.limit.solve import ACCEPTED, TOLERANCE
+from lacore.limit.constants import ACCEPTED, TOLERANCE
 from lacore.numerics.arrays import Floats
 from lacore.program.certificate import Certificate
 from lacore.program.regularization import RegularisedValues
