@@ -12,6 +12,13 @@ import numpy as np
 import pandas as pd
 
 from lacore.assembly.water import pore_pressures, total_stress
+from lacore.bounds.constants import (
+    COLLAPSE_TOLERANCE,
+    GOOD_PER_TOLERANCE,
+    GOOD_RESIDUAL,
+    REDUCED_TO,
+    REDUCTIONS,
+)
 from lacore.bounds.lending import with_lent_cohesion
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
@@ -48,13 +55,6 @@ from lacore.solvers.isolation import make_ready
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-# Residual, absolute and by the tolerance, of a solve that is not repeated in other units: stresses
-# are projected in any case, and errors of the velocities do not matter.
-_GOOD, _LEFT = 1e-6, 1e2
-# factor of the load factor up to which quadratic stresses reduce strengths, and iterations
-_MORE, _ROUNDS = 1.001, 4
-_TOLERANCE = 1e-6  # tolerance of the velocity that proves a collapse under dead load
 
 
 @dataclass(frozen=True, repr=False)
@@ -227,10 +227,10 @@ def lower_bound(
     model = problem if isinstance(problem, StaticModel) else static_model(problem)
     solved = _solved(model, 0.0, backend, options or {}, begin)
     settled = True
-    for _ in range(_ROUNDS if model.bulging.live else 0):
+    for _ in range(REDUCTIONS if model.bulging.live else 0):
         if solved.status is not Status.SOLVED:
             break
-        most = solved.load_factor * _MORE
+        most = solved.load_factor * REDUCED_TO
         solved = _solved(model, most, backend, options or {}, begin)
         settled = min(most, 0.0) <= solved.load_factor <= max(most, 0.0)
         if settled:
@@ -288,14 +288,16 @@ def _solved(
     make_ready(engine)
     exact = exactness(dofs.body for dofs in model.continua.values())
     tolerance = nominal_tolerance(engine, engine_options)
-    prepare = preparer(engine, engine_options, good=max(_GOOD, _LEFT * tolerance))
+    prepare = preparer(
+        engine, engine_options, good=max(GOOD_RESIDUAL, GOOD_PER_TOLERANCE * tolerance)
+    )
     attempts = _attempts(program, prepare, tolerance, exact)
     last, refuted, ray = attempts[-1], None, None
     status = Status.SOLVED if last.proves else Status.NOT_CERTIFIED
     if last.state is None:
         laws = associated_contact(program.contact)
         status, refuted, ray = prove_claim(
-            last.inner.status, program, laws, laws, prepare, _TOLERANCE
+            last.inner.status, program, laws, laws, prepare, COLLAPSE_TOLERANCE
         )
     times = build_time, clock.seconds, clock.compile_time
     return _Solved(model, program, attempts, status, refuted, ray, times)

@@ -11,14 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from lacore.bounds.constants import DOUBLINGS, MARGIN_ROUND_OFF, MARGINS
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import DissipationGroup, KinematicProgram, associated_contact
 from lacore.solvers.backend import Prepare, checked_answer
-
-_MARGINS = (1e-6, 1e-5, 1e-4)  # M of a dimensionless program; the first one usually suffices
-_ROUND_OFF = 1e-12  # remaining margin, by the largest rate
-_DOUBLED = 8  # number of times that the share of the inner velocity is doubled if round-off remains
 
 
 def possible_velocity(program: KinematicProgram, velocity: Floats, prepare: Prepare) -> Floats:
@@ -31,7 +28,7 @@ def possible_velocity(program: KinematicProgram, velocity: Floats, prepare: Prep
     """
     velocity = admissible_velocity(program, velocity)
     best = velocity
-    for margin in _MARGINS:
+    for margin in MARGINS:
         if not _outside(program, best).max(initial=0.0) > 0:
             break
         inside = _inside(program, margin, prepare)
@@ -62,7 +59,7 @@ def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Float
 def _straining(group: DissipationGroup) -> Floats:
     """Return 1 for volumetric rows with free unknowns, else 0: supports prevent their strain."""
     entries = np.asarray(abs(group.volumetric).sum(axis=1)).ravel()
-    return np.asarray(entries > _ROUND_OFF * entries.max(initial=0.0), dtype=np.float64)
+    return np.asarray(entries > MARGIN_ROUND_OFF * entries.max(initial=0.0), dtype=np.float64)
 
 
 def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Floats:
@@ -70,11 +67,11 @@ def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Flo
     out, within = _outside(program, velocity), _outside(program, inside)
     # In other units, and with fixed unknowns, the same rates differ by round-off.
     fastest = max(float(np.abs(g.cone_vectors(velocity)).max(initial=0.0)) for g in program.groups)
-    kept = min(_ROUND_OFF * fastest, max(-float(within.max()), 0.0) / 2)
+    kept = min(MARGIN_ROUND_OFF * fastest, max(-float(within.max()), 0.0) / 2)
     wrong = out > -kept
     missing, room = out[wrong] + kept, out[wrong] - within[wrong]
     share = float(np.max(missing / np.maximum(room, missing), initial=0.0))
-    for _ in range(_DOUBLED):
+    for _ in range(DOUBLINGS):
         moved = (1 - share) * velocity + share * inside
         if not _outside(program, moved).max(initial=0.0) > 0:
             break

@@ -4,9 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from lacore.bounds.constants import EXACT
 from lacore.model.bodies.continuum.body import Body
-
-_EXACT = 1e-12  # tolerance for quantities of order one, as sums of thousands of terms
 
 
 def exactness(bodies: Iterable[Body]) -> float:
@@ -16,7 +15,7 @@ def exactness(bodies: Iterable[Body]) -> float:
     residual of this size.
     """
     eps = np.finfo(float).eps
-    return max([_EXACT, *(eps * float(np.abs(b.mesh.p).max()) / b.size for b in bodies)])
+    return max([EXACT, *(eps * float(np.abs(b.mesh.p).max()) / b.size for b in bodies)])
 
 
 def smallest_angle(body: Body) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
+from lacore.bounds.constants import MISSING, SAME_PLACE
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.model.bodies.blocks.block_assembly import BlockAssembly
 from lacore.model.bodies.blocks.dofs import RigidDofs
@@ -23,8 +24,6 @@ from lacore.numerics.arrays import Bools, Floats, Ints, Sparse
 from lacore.program.kinematic import ContactRows
 from lacore.reporting.errors import InputError
 
-_SAME_PLACE = 1e-9  # by the size of the body
-_MISSING = 2.0  # factor of the distance within which coordinates are equal, for both ends
 # Gauss rule on (0, 1), exact up to degree 3: a shape function times the velocity of a block.
 _PLACES = (1 + np.array([-1, 1]) / np.sqrt(3)) / 2
 
@@ -73,7 +72,7 @@ def traction_station(
         if name in rigid:
             other = rigid[name]
             parts = _Parts.of(start, end, facet, segments)
-            allowed = _MISSING * max(carrier.body.allowed, other.body.allowed)
+            allowed = MISSING * max(carrier.body.allowed, other.body.allowed)
             _check_covered(parts, interface, allowed, field)
             blocks = other.parts(edges)[parts.order]
             facing, moving[1] = parts.means(other, blocks, n), np.tile(blocks[parts.first], 2)
@@ -213,7 +212,7 @@ def _matched(
         InputError: facets of the two sides differ.
     """
     (start, end), (a, b, _) = slaves, facet_geometry(master.body.mesh, facets)
-    near = _SAME_PLACE * master.body.size
+    near = SAME_PLACE * master.body.size
 
     def same(p: Floats, q: Floats) -> Bools:
         return np.asarray(np.linalg.norm(p - q, axis=0) <= near)

@@ -12,13 +12,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.linalg import norm
 
+from lacore.bounds.constants import CORNER_ROUND_OFF, PARALLEL
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.program.kinematic import KinematicProgram
 from lacore.reporting.errors import InputError
-
-_PARALLEL = 1e-9  # sine
-_ROUND_OFF = 1e-9  # by the load on the facets at a vertex
 
 
 class CornerError(InputError):
@@ -57,7 +55,7 @@ def check_corners(
             if mode is None or not _free(mode, basis) or _resisted(mode, full):
                 continue
             power = max(abs(float(load @ mode)) for load in (full.reference_load, full.dead_load))
-            if power > _ROUND_OFF * float(loaded @ np.abs(mode)):
+            if power > CORNER_ROUND_OFF * float(loaded @ np.abs(mode)):
                 wrong += np.flatnonzero((mesh.t == vertex).any(axis=0)).tolist()
         if wrong:
             raise CornerError(name, sorted(set(wrong)))
@@ -96,7 +94,7 @@ def _mode(dofs: EquilibriumDofs, sides: Floats, vertex: int, n: int) -> Floats |
         (other,) = set(pair) - {facet}
         across = pair[other]
         w = velocity.setdefault(facet, across)
-        if abs(w[0] * across[1] - w[1] * across[0]) > _PARALLEL * norm(w) * norm(across):
+        if abs(w[0] * across[1] - w[1] * across[0]) > PARALLEL * norm(w) * norm(across):
             return None
         velocity[other] = -pair[facet] * (w @ across) / (across @ across)
         facet = other
@@ -112,7 +110,7 @@ def _free(mode: Floats, basis: Sparse) -> bool:
     """Return whether supports and footings allow it: the columns of the basis are orthogonal."""
     size = np.asarray(basis.multiply(basis).sum(axis=0)).ravel()
     left = basis @ ((basis.T @ mode) / size) - mode
-    return bool(norm(left) <= _ROUND_OFF * norm(mode))
+    return bool(norm(left) <= CORNER_ROUND_OFF * norm(mode))
 
 
 def _resisted(mode: Floats, full: KinematicProgram) -> bool:
@@ -120,4 +118,4 @@ def _resisted(mode: Floats, full: KinematicProgram) -> bool:
     contact = full.contact
     rubs = (contact.limit > 0) | (contact.dilatancy > 0)
     moved = np.abs(contact.opening(mode)) + rubs * norm(contact.slip(mode), axis=1)
-    return bool(moved.max(initial=0.0) > _ROUND_OFF * norm(mode))
+    return bool(moved.max(initial=0.0) > CORNER_ROUND_OFF * norm(mode))

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse.linalg import lsqr
 
 from lacore.assembly.discretisation import Discretisation
+from lacore.bounds.constants import EDGE_PARTS, INSIDE_RESIDUAL, RIGID_STRAIN
 from lacore.bounds.enclosing import (
     require_associated_flow,
     require_chords,
@@ -56,9 +57,6 @@ from lacore.solvers.inner.preparing import preparer_named
 from lacore.solvers.inner.rigid_motions import motions_without_strain
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
-_PARTS = 8  # number of parts into which the edges of an element are divided
-_INSIDE = 1e-4  # residual of a velocity that is inside, and need not be optimal
-_NOISE = 1e-7  # strain of a body, by the largest term of its sums, below which it may be rigid
 
 
 @dataclass(frozen=True, repr=False)
@@ -213,7 +211,7 @@ def _candidates(
     if not program.pressure_dependent:
         nearest = (admissible_velocity(program, velocity), none)
         return [nearest, *_without_noise(program, velocity, admissible_velocity)]
-    prepare = preparer_named(state.backend, state.options, good=_INSIDE)
+    prepare = preparer_named(state.backend, state.options, good=INSIDE_RESIDUAL)
 
     def possible(stated: KinematicProgram, motion: Floats) -> Floats:
         return possible_velocity(stated, motion, prepare)
@@ -240,7 +238,7 @@ def _without_noise(
     for number, group in enumerate(program.groups):
         most = np.linalg.norm(group.cone_vectors(velocity), axis=1).max(initial=0.0)
         term = np.abs(group.rows.data).max(initial=0.0) * fastest
-        still[number] = most <= _NOISE * term
+        still[number] = most <= RIGID_STRAIN * term
     resting = [group for group, rests in zip(program.groups, still, strict=True) if rests]
     strained = [group for group, rests in zip(program.groups, still, strict=True) if not rests]
     if not any(group.weights.size for group in resting):
@@ -279,7 +277,7 @@ def _bound(
     corners = driven_corners(discretisation, velocity, state.tolerance)
     possible = beyond <= 0  # false for NaN
     proves = max(leak, penetration) <= exact and possible and not corners
-    power = plastic_power(discretisation, velocity, _PARTS)
+    power = plastic_power(discretisation, velocity, EDGE_PARTS)
     if proves:
         reached = reached_supports(discretisation, velocity)
         findings: tuple[Finding, ...] = (reached,) if reached else ()

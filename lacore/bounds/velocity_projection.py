@@ -8,17 +8,18 @@ edges) get a shift, whose effect refinement removes.
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
+from lacore.bounds.constants import (
+    CLOSE_CONTACT,
+    FINISHED,
+    PENETRATION,
+    PROJECTIONS,
+    REFINEMENTS,
+    SHIFT,
+)
 from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore.numerics.symmetric import factorised
 from lacore.program.kinematic import KinematicProgram
-
-_SHIFT = 1e-11  # by rows of length 1
-_REFINEMENTS = 5
-_FINISHED = 0.5  # A refinement that leaves more than this has reached round-off.
-_ROUND_OFF = 1e-13  # penetration, by the largest speed, that counts as zero
-_ROUNDS = 4  # number of projections, each with the contacts that the last one has closed
-_CLOSE = 1e-6  # opening, by the largest speed, that the projection could close
 
 
 def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
@@ -30,13 +31,15 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
     """
     contact = program.contact
     fastest = float(np.abs(velocity).max())
-    close = _beyond(program, velocity) > -_CLOSE * fastest
+    close = _beyond(program, velocity) > -CLOSE_CONTACT * fastest
     rests = np.isinf(contact.limit)  # mask of points, as all masks here
-    rests |= close & (contact.dilatancy > 0) & (_sliding(program, velocity) < _CLOSE * fastest)
+    rests |= (
+        close & (contact.dilatancy > 0) & (_sliding(program, velocity) < CLOSE_CONTACT * fastest)
+    )
     moved = velocity
-    for _ in range(_ROUNDS):
+    for _ in range(PROJECTIONS):
         moved = _nearest(_conditions(program, velocity, close, rests), velocity)
-        wrong = _beyond(program, moved) > _ROUND_OFF * fastest
+        wrong = _beyond(program, moved) > PENETRATION * fastest
         if not np.any(wrong & ~(close & (rests | (contact.dilatancy == 0)))):
             break
         # Slip that was noise has reversed, or an open contact has closed, so there is no motion.
@@ -60,7 +63,7 @@ def _nearest(rows: Sparse, velocity: Floats) -> Floats:
     """Return the nearest velocity on which all rows vanish, to round-off if that is possible."""
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     rows = csr_matrix(diags_array(1 / length[length > 0]) @ rows[length > 0])
-    matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
+    matrix = csr_matrix(rows @ rows.T + SHIFT * eye_array(rows.shape[0], format="csr"))
     matrix.sort_indices()
     if not rows.shape[0]:
         return velocity
@@ -76,12 +79,12 @@ def _nearest(rows: Sparse, velocity: Floats) -> Floats:
 
 def _projected(rows: Sparse, velocity: Floats, solver: SymmetricSolver) -> Floats:
     wrong = rows @ velocity
-    for _ in range(_REFINEMENTS):
+    for _ in range(REFINEMENTS):
         moved = velocity - rows.T @ solver.solve(wrong)
         left = rows @ moved
         if not np.abs(left).max() < np.abs(wrong).max():
             break
-        done = np.abs(left).max() > _FINISHED * np.abs(wrong).max()
+        done = np.abs(left).max() > FINISHED * np.abs(wrong).max()
         velocity, wrong = moved, left
         if done:
             break

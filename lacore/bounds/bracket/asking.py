@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lacore.bounds.constants import LOSS_AIM, PROJECTED_RESIDUAL, SHARPER, TIGHTEST_TOLERANCE
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.limit.solve import solve
@@ -17,12 +18,6 @@ from lacore.reporting.status import Status
 from lacore.solvers.backend import TRUE_GAP, find_backend
 
 Bound = LowerBound | UpperBound
-
-TIGHTEST = 1e-9  # smallest requested tolerance
-_JUDGED = 1e-3  # largest residual of a velocity that is projected
-# share of the affordable loss at which a repeated solve aims, as losses do not fall evenly
-_AIM = 0.2
-_WORTH = 0.5  # largest ratio of tolerances for which another solve pays
 
 
 def processors() -> int:
@@ -95,7 +90,7 @@ class Solver:
         if bound.status is Status.NOT_CERTIFIED:
             return FoundBound(self._bound(asked, {}))
         sharper = self._sharper(asked, bound)
-        if sharper > _WORTH:
+        if sharper > SHARPER:
             return FoundBound(bound)
         again = self._bound(asked, {"tolerance": sharper * tolerance})
         closer = again.status is Status.SOLVED and again.lost < bound.lost
@@ -107,8 +102,8 @@ class Solver:
             return 1.0
         if "tolerance" in self.options or "tolerance" not in self._known:
             return 1.0
-        needed = _AIM * asked.affordable / bound.lost
-        return max(needed, min(TIGHTEST / asked.tolerance, 1.0))
+        needed = LOSS_AIM * asked.affordable / bound.lost
+        return max(needed, min(TIGHTEST_TOLERANCE / asked.tolerance, 1.0))
 
     @property
     def _nominal(self) -> float:
@@ -129,5 +124,7 @@ class Solver:
             given["time_limit"] = min(given["time_limit"], left)
         if asked.kind == "lower":
             return lower_bound(asked.problem, self.backend, options=given)
-        state = solve(asked.problem, self.backend, "associated", tolerance=_JUDGED, options=given)
+        state = solve(
+            asked.problem, self.backend, "associated", tolerance=PROJECTED_RESIDUAL, options=given
+        )
         return upper_bound(state)

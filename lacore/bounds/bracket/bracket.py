@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from lacore.bounds.constants import SUMMED
 from lacore.bounds.gap_identity import GapIdentity, gap_identity
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.precision import exactness
@@ -23,9 +24,6 @@ from lacore.reporting.status import Reported, Rigor, Status
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Round-off of a proven load factor by the residual that counts as zero and all loads: sums over
-# elements have about ten times this residual, and two digits are in reserve.
-_SUMMED = 1e3
 BODY = "load factor"
 POLYGON = "load factor of the polygon"  # The polygon replaces a curved outline.
 _EVERY = "every Coulomb "  # bounded quantity with Coulomb friction
@@ -275,7 +273,7 @@ def crossing(lower: LowerBound, upper: UpperBound) -> Finding | None:
     moving = natural.load_factor * float(np.abs(upper.velocity).max()) / natural.velocity
     size = max(abs(below), abs(above), power, moving)
     exact = exactness(dofs.body for dofs in upper.discretisation.continua.values())
-    if below - above <= _SUMMED * exact * size:
+    if below - above <= SUMMED * exact * size:
         return None
     values = {"lower": below, "upper": above, "width": width(below, above)}
     return Finding(Kind.BOUNDS_CROSS, (), values, Severity.WARNING)

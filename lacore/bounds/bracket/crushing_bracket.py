@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import shapely
 
+from lacore.bounds.constants import CUT_SHARE, CUTS_BY_MECHANISM, HALVINGS, LEAST_CELL
 from lacore.limit.cells import laws_of_crushing, with_cells
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
@@ -24,12 +25,6 @@ from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Facts, Picture, counted
 from lacore.reporting.status import Reported, Status
 from lacore.reporting.text import PYTHON
-
-_SHARE = 0.98  # share of the difference of the bounds in the cells that are cut
-# iterations that cut where mechanisms crush; after them every other one halves cells
-_MECHANISMS = 4
-_LEAST = 1e-9  # part of a cell that is negligible
-_HALVINGS = 50  # bisections to place a cut: 1e-15 of the cell
 
 
 @dataclass(frozen=True, repr=False)
@@ -131,7 +126,7 @@ def crushing_bracket(
             break
         if high - low <= target_width * abs(high):
             break
-        halved = number >= _MECHANISMS and number % 2 == 1
+        halved = number >= CUTS_BY_MECHANISM and number % 2 == 1
         laws = {
             name: replace(law, cells=_finer(bodies[name], name, law, (under, over), halved))
             for name, law in laws.items()
@@ -178,7 +173,7 @@ def _finer(
     lacking = np.array(thirds) - area * np.maximum(mids, 0.0)
     order = np.argsort(-lacking.max(axis=0))
     total = np.cumsum(lacking.max(axis=0)[order])
-    marked = np.sort(order[: np.searchsorted(total, _SHARE * total[-1]) + 1])
+    marked = np.sort(order[: np.searchsorted(total, CUT_SHARE * total[-1]) + 1])
 
     # A cell that is partly at its strength has that part cut off; others are cut where a mechanism
     # closes them.
@@ -194,7 +189,7 @@ def _finer(
     begin = np.searchsorted(cell, np.arange(joint.size))
     turns = np.minimum.reduceat(rims, begin, axis=1) < 0
     turns &= (np.maximum.reduceat(rims, begin, axis=1) > 0) & (not halved)
-    partly = turns[0] & (filled > _LEAST) & (filled < 1 - _LEAST)
+    partly = turns[0] & (filled > LEAST_CELL) & (filled < 1 - LEAST_CELL)
     which = np.where(partly, 0, lacking.argmax(axis=0))
     every = np.arange(joint.size)
     way, turned = ways[which, :, every].T, turns[which, every]
@@ -271,13 +266,13 @@ def _split(
 
     way, at, wanted = way[:, marked], at[marked], share[marked] * own.area[marked]
     low, high = -reach, reach.copy()
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         more = shapely.area(ahead(middle, way)) > wanted
         low, high = np.where(more, middle, low), np.where(more, high, middle)
     at = np.where(np.isnan(wanted), at, (low + high) / 2)
     parts = np.stack([ahead(at, way), ahead(-at, -way)])
-    least = _LEAST * own.area[marked]
+    least = LEAST_CELL * own.area[marked]
     good = np.all((shapely.area(parts) > least) & (shapely.get_type_id(parts) == 3), axis=0)
     cut, owner = parts[:, good].ravel(), np.tile(marked[good], 2)
     ring, piece = shapely.get_coordinates(shapely.get_exterior_ring(cut), return_index=True)

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from skfem import MeshTri
 
+from lacore.bounds.constants import SAME_PRESSURE
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.body_forces import free_of_mesh
 from lacore.model.bodies.continuum.boundaries import facets_of
@@ -19,8 +20,6 @@ from lacore.model.conditions.loads import Load
 from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.numerics.arrays import Floats
 from lacore.reporting.showing import Compact
-
-_SAME = 1e-9  # tolerance, by the largest pressure
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,7 +70,7 @@ def _differs(load: PorePressure | StandingWater, body: Body, other: Body) -> boo
     one, two = _on_mesh(load, body), _on_mesh(load, other)
     places = np.concatenate([_places(load, own) for own in (body, other)], axis=1)
     apart = float(np.abs(one(places) - two(places)).max())
-    return apart > _SAME * float(one.values.max())
+    return apart > SAME_PRESSURE * float(one.values.max())
 
 
 @singledispatch

@@ -8,6 +8,7 @@ import numpy as np
 
 from lacore.bounds.bracket.bracket import proven
 from lacore.bounds.bracket.whole import of_all
+from lacore.bounds.constants import LOWER_SHARE
 from lacore.bounds.gap_identity import gap_identity
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound
@@ -16,8 +17,6 @@ from lacore.numerics.arrays import Floats
 from lacore.program.dissipation import DissipationGroup
 
 T = TypeVar("T")
-
-_LOWER = 0.3  # share of all, as lower bounds may be weak where nothing moves
 
 
 def shares_of(
@@ -136,7 +135,7 @@ def shared_shares(upper: UpperBound, lower: LowerBound) -> Floats:
     gap = np.concatenate(list(gap_identity(upper, lower).elements.values()))
     own = np.concatenate([lower_shares(lower, name) for name in lower.model.continua])
     gap = np.maximum(gap, 0.0)
-    return np.asarray(_parts(gap) + _LOWER * _parts(own))
+    return np.asarray(_parts(gap) + LOWER_SHARE * _parts(own))
 
 
 def _parts(shares: Floats) -> Floats:

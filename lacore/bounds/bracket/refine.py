@@ -12,12 +12,24 @@ import numpy as np
 import pandas as pd
 from skfem import MeshTri
 
-from lacore.bounds.bracket.asking import TIGHTEST, Bound, RequestedBound, Solver, processors
+from lacore.bounds.bracket.asking import Bound, RequestedBound, Solver, processors
 from lacore.bounds.bracket.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.bounds.bracket.marking import shares_of
 from lacore.bounds.bracket.starts import starts
-from lacore.bounds.bracket.track import RECENT, Track, growths, on_finer, order
+from lacore.bounds.bracket.track import Track, growths, on_finer, order
 from lacore.bounds.bracket.whole import continua, mesh_of
+from lacore.bounds.constants import (
+    AFFORDABLE_LOSS,
+    LOOSE_TOLERANCE,
+    LOOSEST_TOLERANCE,
+    NO_GAIN,
+    NO_LOAD_FACTOR,
+    PATIENCE,
+    RECENT,
+    SETTLED_REST,
+    SOIL_TOLERANCES,
+    TIGHTEST_TOLERANCE,
+)
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
 from lacore.bounds.lending import with_lent_cohesion
 from lacore.bounds.lower import LowerBound, lower_bound
@@ -33,17 +45,6 @@ from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.status import Status
 from lacore.solvers.backend import find_backend, read_options
-
-_LOOSE = 1e-3  # tolerance of solvers by the width; it costs a lower bound 20 times as much
-# In soils inadmissible flow is worst in the smallest element (T45), and multipliers of lower bounds
-# mark the next mesh.
-_PRESSED = {"lower": 1e-4, "upper": 3e-6}
-_LOOSEST = 2e-5
-_LOST = 0.25  # allowed loss of a bound, by the next width
-_SETTLED = 0.25  # remaining gain, by the target width, at which both sides have converged
-_PATIENCE = 4  # refinements in a row without gain
-_NOTHING = 1e-3  # gain, by the target width, that counts as none
-_ZERO = 1e-3  # load factor, by the target width and the natural one, that counts as zero
 
 
 @typed(lower_mesh="give a skfem.MeshTri, such as a lacore.model.meshes.fan")
@@ -185,12 +186,12 @@ class _Run:
     @property
     def nothing(self) -> float:
         """Load factor that counts as zero where its sign is not known."""
-        return _ZERO * self.target * self.natural
+        return NO_LOAD_FACTOR * self.target * self.natural
 
     @property
     def unsigned(self) -> bool:
         """Whether zero lies between the bounds, as for a load factor of zero."""
-        round_off = _NOTHING * self.nothing
+        round_off = NO_GAIN * self.nothing
         return -np.inf < self.lower <= round_off and np.inf > self.upper >= -round_off
 
     @property
@@ -238,13 +239,13 @@ class _Run:
         """Return the request for a bound, whose tolerance follows the expected width."""
         width = max(ahead, self.target)
         close = self.nothing if self.unsigned else width * self.size
-        affordable = _LOST * close
+        affordable = AFFORDABLE_LOSS * close
         width = self.target if self.coulomb else width
         # Dead loads cancel most of the power by which solvers measure.
         width = min(width, close / self.natural)
-        share = _PRESSED[kind] if self.pressure_dependent else _LOOSE
+        share = SOIL_TOLERANCES[kind] if self.pressure_dependent else LOOSE_TOLERANCE
         loose = width * share * self.sharper.get(kind, 1.0)
-        tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
+        tolerance = float(np.clip(loose, TIGHTEST_TOLERANCE, LOOSEST_TOLERANCE))
         return RequestedBound(kind, problem, tolerance, affordable)
 
     def _keep(self, asked: RequestedBound, bound: Bound) -> None:
@@ -320,10 +321,10 @@ class _Run:
             return Ending.MAX_ELEMENTS
         rests = track.rests
         small = self.target * self.size
-        if self.coulomb and len(rests) == RECENT and max(rests) <= _SETTLED * small:
+        if self.coulomb and len(rests) == RECENT and max(rests) <= SETTLED_REST * small:
             return Ending.SETTLED
-        last = track.gains[-_PATIENCE:]
-        spent = len(last) == _PATIENCE and max(last) <= _NOTHING * small
+        last = track.gains[-PATIENCE:]
+        spent = len(last) == PATIENCE and max(last) <= NO_GAIN * small
         return Ending.NO_PROGRESS if spent else None
 
     def advanced(self, tracks: Sequence[Track]) -> list[Track]:

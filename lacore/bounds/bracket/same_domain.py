@@ -4,11 +4,11 @@ import numpy as np
 import shapely
 from skfem import MeshTri
 
+from lacore.bounds.constants import PLACED
 from lacore.bounds.precision import exactness
 from lacore.model.bodies.continuum.body import Body
 from lacore.numerics.arrays import Floats, Ints
 
-_PLACED = 4  # tolerance of coordinates, in units of precision: both have had one or two operations
 _SHOWN = "{:.6g}"
 
 
@@ -22,7 +22,7 @@ def difference(one: Body, other: Body) -> str:
     Returns:
         Why they differ; empty if they do not.
     """
-    near = _PLACED * exactness([one, other])
+    near = PLACED * exactness([one, other])
     origin, size = one.mesh.p.min(axis=1), one.size
     edges, others = (body.mesh.boundary_facets() for body in (one, other))
     mine, its = _lines(one.mesh, edges, origin, size), _lines(other.mesh, others, origin, size)

@@ -7,6 +7,7 @@ import numpy as np
 from skfem import MeshTri
 
 from lacore.bounds.bracket.whole import continua, whole
+from lacore.bounds.constants import NO_COHESION, SECTORS, SECTORS_BY_FRICTION, STRAIGHT
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body
 from lacore.model.bodies.continuum.body_forces import largest
@@ -17,11 +18,6 @@ from lacore.model.meshes.joined import Joined
 from lacore.model.meshes.refinement import facets_between
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats, Ints
-
-_STRAIGHT = 1e-6  # rad, round-off of angles
-_ENOUGH = 1.6  # sectors in 180 degrees, times the root of a width: see `sectors_for`
-_RUBBED = 4.7  # increase with friction, by its tangent
-_LOOSE = 1e-3  # cohesion, by weight and size of a body, that is negligible
 
 
 def singular_points(problem: Problem, name: str) -> list[int]:
@@ -65,7 +61,7 @@ def singular_vertices(problem: Problem) -> list[int]:
         if any(loose[side] and not conditions[side].any() for side in (one, *others)):
             continue
         changes = any(np.any(conditions[one] != conditions[other]) for other in others)
-        if angle[vertex] > pi + _STRAIGHT or (changes and angle[vertex] > pi - _STRAIGHT):
+        if angle[vertex] > pi + STRAIGHT or (changes and angle[vertex] > pi - STRAIGHT):
             found.append(vertex)
     number = np.zeros(mesh.p.shape[1], dtype=np.int64)
     for name, vertices in whole(problem).vertices.items():
@@ -106,7 +102,7 @@ def sectors_for(target_width: float, friction: float = 0.0) -> int:
         target_width: width of the bracket.
         friction: tangent of the friction angle of the body.
     """
-    return ceil(_ENOUGH * sqrt((1 + _RUBBED * friction) / target_width))
+    return ceil(SECTORS * sqrt((1 + SECTORS_BY_FRICTION * friction) / target_width))
 
 
 def friction_of(body: Body) -> float:
@@ -127,7 +123,7 @@ def _loose(problem: Problem, name: str) -> bool:
         for one in region.form.surfaces
         if one.normed and np.all(np.less(one.slope[0], 1))
     ]
-    return min(carried, default=np.inf) < _LOOSE * weight * body.size
+    return min(carried, default=np.inf) < NO_COHESION * weight * body.size
 
 
 @singledispatch

@@ -18,6 +18,7 @@ from lacore.bounds.bracket.whole import (
     with_jumps,
     with_kept_water,
 )
+from lacore.bounds.constants import SLIVER
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
@@ -30,7 +31,6 @@ from lacore.model.problem.problem import Problem
 from lacore.reporting.errors import InputError, require_known
 
 MESHES = ("separate", "shared")
-_SLIVER = 0.01  # shape of a triangle below which strain rates lose their digits
 
 
 @dataclass(frozen=True)
@@ -160,11 +160,11 @@ def _check(whose: str, mesh: MeshTri, max_elements: int) -> None:
         )
     shape = quality(mesh)
     worst = int(np.argmin(shape))
-    if shape[worst] < _SLIVER:
+    if shape[worst] < SLIVER:
         raise InputError(
             f"mesh of {whose}",
             None,
             f"element {worst} is a sliver of shape {shape[worst]:.2g} (1 is equilateral), below"
-            f" {_SLIVER}",
+            f" {SLIVER}",
             "move its vertices, or mesh with larger angles",
         )

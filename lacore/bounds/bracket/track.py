@@ -10,22 +10,20 @@ from skfem import MeshTri
 
 from lacore.bounds.bracket.asking import Bound
 from lacore.bounds.bracket.whole import mesh_of, on_mesh, with_jumps
+from lacore.bounds.constants import (
+    COST,
+    LEAST_GROWTH,
+    LEAST_REST,
+    LOCKED_MESHES,
+    MOST_GROWTH,
+    ORDERS,
+    RECENT,
+    SMALL_MESH,
+    TOTAL_GROWTH,
+    WIDTH_AIMS,
+)
 from lacore.model.problem.problem import Problem
 from lacore.numerics.arrays import Floats
-
-RECENT = 2  # number of refinements whose gains count
-_LOCKED = 2  # number of meshes without an upper bound after which velocities are discontinuous
-_SMALL = 0.5  # elements, by those of the other mesh, below which a solve is cheap
-_GROWTH = 3.4  # largest growth of a mesh: marks of elements hold no further
-_LEAST_GROWTH = 1.2  # growth below which a solve does not pay
-_FAR = 1e6  # largest total growth that is considered
-# limits of the order of widths in elements: uniform meshes have 0.45, adapted ones 1.0 to 1.3
-_ORDERS = (0.7, 2.0)
-_COST = 1.25  # exponent of the time of a solve by its elements
-_LEAST_REST = 0.1  # smallest remaining gain, by the largest, as bounds rise in steps
-# share of the target at which the last one or two meshes aim: a miss takes another iteration, and
-# two meshes overshoot their aim
-_AIM = {1: 0.94, 2: 0.97}
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,7 @@ def on_finer(problem: Problem, mesh: MeshTri, rows: Sequence[Mapping[str, Any]])
         rows: rows of the history of a bracket.
     """
     solved = [row["solved"] for row in rows if row["bound"] == "upper"]
-    locked = len(solved) >= _LOCKED and not np.any(np.isfinite(solved))
+    locked = len(solved) >= LOCKED_MESHES and not np.any(np.isfinite(solved))
     return with_jumps(on_mesh(problem, mesh)) if locked else on_mesh(problem, mesh)
 
 
@@ -124,7 +122,7 @@ def order(seen: Sequence[tuple[int, float]]) -> float:
     if not recent or recent[-1][0] <= recent[0][0]:
         return 1.0
     (few, wide), (many, narrow) = recent[0], recent[-1]
-    return (1 + float(np.clip(np.log(wide / narrow) / np.log(many / few), *_ORDERS))) / 2
+    return (1 + float(np.clip(np.log(wide / narrow) / np.log(many / few), *ORDERS))) / 2
 
 
 def growths(
@@ -144,19 +142,19 @@ def growths(
     """
     rests = np.array([track.rest for track in tracks])
     elements = np.array([track.elements for track in tracks], dtype=float)
-    aim = _AIM[len(tracks)]
+    aim = WIDTH_AIMS[len(tracks)]
     if not (np.all(np.isfinite(rests)) and rests.max() > 0 and np.isfinite(missing)):
         small = int(np.argmin(elements))
-        alone = elements[small] < _SMALL * elements.max() and not np.isfinite(rests[small])
+        alone = elements[small] < SMALL_MESH * elements.max() and not np.isfinite(rests[small])
         every = np.full(len(tracks), max(missing / aim, 1.0) ** (1 / order))
         return _in_steps(np.where(np.arange(len(tracks)) == small, every, 1.0) if alone else every)
-    rests = np.maximum(rests, _LEAST_REST * rests.max())
+    rests = np.maximum(rests, LEAST_REST * rests.max())
     rests *= (1 - apart) * missing / rests.sum()
-    wanted = aim * max(1 - apart * missing, _LEAST_REST)
-    shape = (rests / elements**_COST) ** (1 / (order + _COST))
+    wanted = aim * max(1 - apart * missing, LEAST_REST)
+    shape = (rests / elements**COST) ** (1 / (order + COST))
     more, stays = shape, np.zeros(len(tracks), dtype=bool)
     for _ in tracks:  # Meshes that would become coarser are kept, and the others compensate for it.
-        left = max(wanted - rests[stays].sum(), _LEAST_REST * wanted)
+        left = max(wanted - rests[stays].sum(), LEAST_REST * wanted)
         scale = float(np.sum((rests * shape**-order)[~stays])) / left
         more = np.where(stays, 1.0, shape * scale ** (1 / order))
         stays |= more < 1.0
@@ -168,7 +166,7 @@ def _in_steps(more: Floats) -> list[float]:
 
     The largest one must pay for a solve.
     """
-    steps = max(ceil(log(min(more.max(), _FAR)) / log(_GROWTH)), 1)
-    even = np.minimum(more ** (1 / steps), _GROWTH)
-    even[np.argmax(even)] = max(even.max(), _LEAST_GROWTH)
-    return [float(own) if own >= _LEAST_GROWTH else 1.0 for own in even]
+    steps = max(ceil(log(min(more.max(), TOTAL_GROWTH)) / log(MOST_GROWTH)), 1)
+    even = np.minimum(more ** (1 / steps), MOST_GROWTH)
+    even[np.argmax(even)] = max(even.max(), LEAST_GROWTH)
+    return [float(own) if own >= LEAST_GROWTH else 1.0 for own in even]

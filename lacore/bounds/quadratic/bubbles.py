@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, eye_array, vstack
 
+from lacore.bounds.constants import BUBBLE_REFINEMENTS, CHEAP_MEAN, FINISHED, NO_LINEAR_PART, SHIFT
 from lacore.bounds.equilibrium import element_geometry
 from lacore.bounds.precision import exactness
 from lacore.model.bodies.continuum.body import Body
@@ -24,11 +25,6 @@ from lacore.reporting.showing import Compact
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2]])  # vertices of the local facets of scikit-fem
 _NORMAL = ((0, 2), (2, 1))  # components of (xx, yy, xy) that multiply n_x and n_y in a traction
-_CHEAP = 0.1  # weight of a mean stress by that of shear, if strength does not depend on pressure
-_SHIFT = 1e-11  # by rows of length 1
-_REFINEMENTS = 8
-_FINISHED = 0.5  # A refinement that leaves more than this has reached round-off.
-_NONE = 1e-12  # largest linear part, by the largest force, that counts as zero
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,7 +98,7 @@ def bubbles(body: Body, forces: Floats, field: str) -> Bubbles:
         InputError: a mesh whose edges cannot carry the moments of the forces.
     """
     linear = forces - forces.mean(axis=2, keepdims=True)
-    if np.abs(linear).max(initial=0.0) <= _NONE * np.abs(forces).max(initial=0.0):
+    if np.abs(linear).max(initial=0.0) <= NO_LINEAR_PART * np.abs(forces).max(initial=0.0):
         return Bubbles.none(body)
     gradients, spread = _gradients(body), _spread(body)
     divergence = _divergence(gradients)
@@ -174,7 +170,7 @@ def _spread(body: Body) -> Sparse:
     pressed = np.zeros(count, dtype=bool)
     for region in body.regions:
         pressed[region.elements] = bool(region.form.surfaces)
-    cheap = np.repeat(np.where(pressed, 1.0, 1 / _CHEAP), 3)
+    cheap = np.repeat(np.where(pressed, 1.0, 1 / CHEAP_MEAN), 3)
     first = 3 * np.arange(3 * count)
     entries = [
         (first, first, cheap),
@@ -258,18 +254,18 @@ def _least(rows: Sparse, right: Floats) -> Floats:
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     rows = csr_matrix(diags_array(1 / length) @ rows)
     right = right / length
-    matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
+    matrix = csr_matrix(rows @ rows.T + SHIFT * eye_array(rows.shape[0], format="csr"))
     matrix.sort_indices()
     found, left = np.zeros(rows.shape[1]), right
     solver = SuperLU()
     try:
         solver.factorise(matrix)
-        for _ in range(_REFINEMENTS):
+        for _ in range(BUBBLE_REFINEMENTS):
             moved = found + rows.T @ solver.solve(left)
             more = right - rows @ moved
             if not np.abs(more).max() < np.abs(left).max():
                 break
-            done = np.abs(more).max() > _FINISHED * np.abs(left).max()
+            done = np.abs(more).max() > FINISHED * np.abs(left).max()
             found, left = moved, more
             if done:
                 break

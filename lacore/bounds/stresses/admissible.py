@@ -4,31 +4,29 @@ from dataclasses import replace
 
 import numpy as np
 
+from lacore.bounds.constants import (
+    BELOW,
+    FRICTION_MARGIN,
+    LENT_COHESION,
+    MOST_FRICTION_MARGIN,
+    STRENGTH_MARGIN,
+    TRACTION_NOISE,
+    WIDER_MARGINS,
+    WIDEST_MARGIN,
+    ZERO_LOAD_FACTOR,
+)
 from lacore.program.dissipation import DissipationGroup
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState
-
-# Margins of all strengths, tried in turn if a state cannot be scaled: the change by the projection,
-# measured up to 2e-8, or four times the backend's tolerance, and then more.
-_MARGIN, _WIDER = 1e-7, (1.0, 100.0, 10_000.0)
-_WIDEST = 0.01
-_LENT = (0.05, 0.5)  # share of a negligible cohesion, which is lent to a sand (T45)
-# Reduction of friction within a body, by that of all strengths: where pressure gives the strength,
-# there is no other to reduce. A share of 1e-5 costs a footing without cohesion 5e-5 of its load.
-_RUBBED, _MOST_RUBBED = 10.0, 1e-5
-_NOISE = 1e-9  # by the largest reaction or the mean traction of the loads
-_NOTHING = 1e-9  # dimensionless load factor that a solver may return for zero
-# tolerance by its terms, so that a scaled stress does not exceed it by round-off
-_BELOW = 4 * np.finfo(float).eps
 
 
 def margins(program: KinematicProgram, tolerance: float) -> list[float]:
     """Return the reductions of all strengths for a nominal tolerance; none if scaling suffices."""
     if not (np.any(program.dead_load) or np.any(program.contact.dilatancy)):
         return [0.0]
-    least = max(_MARGIN, 4 * tolerance)
-    shares = [min(factor * least, _WIDEST) for factor in _WIDER]
-    return [*shares, *_LENT] if program.pressure_dependent else shares
+    least = max(STRENGTH_MARGIN, 4 * tolerance)
+    shares = [min(factor * least, WIDEST_MARGIN) for factor in WIDER_MARGINS]
+    return [*shares, *LENT_COHESION] if program.pressure_dependent else shares
 
 
 def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:
@@ -46,7 +44,7 @@ def _less_rubbed(group: DissipationGroup, margin: float) -> DissipationGroup:
     own = group.surfaces
     if own is None:
         return group
-    left = np.where(own.normed > 0, 1 - min(_RUBBED * margin, _MOST_RUBBED), 1.0)
+    left = np.where(own.normed > 0, 1 - min(FRICTION_MARGIN * margin, MOST_FRICTION_MARGIN), 1.0)
     surfaces = replace(own, slope=left[:, None] * own.slope, strength=left * own.strength)
     return replace(group, surfaces=surfaces)
 
@@ -67,7 +65,7 @@ def within_friction(program: KinematicProgram, state: ProgramState, margin: floa
     rows = program.contact
     forces = abs(state.load_factor) * np.abs(program.reference_load).sum()
     mean = (forces + np.abs(program.dead_load).sum()) / max(rows.weights.sum(), 1.0)
-    noise = max(_NOISE, margin / 10) * max(state.normal_reaction.max(initial=0.0), mean)
+    noise = max(TRACTION_NOISE, margin / 10) * max(state.normal_reaction.max(initial=0.0), mean)
     t_n = np.where(state.normal_reaction > noise, state.normal_reaction, 0.0)
     room = (1 - margin) * (rows.limit + rows.dilatancy * t_n)
     size = np.linalg.norm(state.tangential_reaction, axis=1)
@@ -111,6 +109,6 @@ def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
             )
         ),
     )
-    carries = state.load_factor > _NOTHING
-    factor = float((1 - _BELOW * _terms(program, state, use)) / use) if carries else 0.0
+    carries = state.load_factor > ZERO_LOAD_FACTOR
+    factor = float((1 - BELOW * _terms(program, state, use)) / use) if carries else 0.0
     return state.scaled(factor, load_factor=factor)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lacore.bounds.constants import EXCESS_REMOVED, LOSS_PER_GAP, SCALING_LOSS
 from lacore.bounds.stresses.admissible import lacking, scaled, within_friction
 from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import within_strength
@@ -14,11 +15,6 @@ from lacore.program.certificate import Certificate
 from lacore.program.kinematic import KinematicProgram, associated_contact
 from lacore.program.state import ProgramState
 from lacore.solvers.backend import InnerSolution
-
-# Allowed loss of a load factor by scaling: less than the distance of the solve from the optimum, or
-# this value.
-_WORTH, _OF_GAP = 1e-6, 0.5
-_AIM = 0.25  # share of the excess over strengths to remove, as scaling removes the rest
 
 
 @dataclass(frozen=True)
@@ -91,7 +87,9 @@ def attempt(
     laws = associated_contact(program.contact)
     before = Certificate.of(program, inner.point, laws)
     scalable = not np.any(program.dead_load)
-    worth, aim = (max(_WORTH, _OF_GAP * before.gap), _AIM) if scalable else (0.0, 0.0)
+    worth, aim = (
+        (max(SCALING_LOSS, LOSS_PER_GAP * before.gap), EXCESS_REMOVED) if scalable else (0.0, 0.0)
+    )
     point = within_friction(program, inner.point, margin)
 
     def candidates() -> Iterator[ProgramState]:

@@ -18,24 +18,12 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
+from lacore.bounds.constants import FINISHED, NO_STIFFNESS, REFINEMENTS, SHIFT, STIFF_LOAD
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import factorised
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState, out_of_balance
-
-# Multipliers of redundant rows (tractions at a vertex whose facets are in line) have no stiffness.
-# This share of the diagonal makes the factorisation possible, and refinement removes its effect.
-_SHIFT = 1e-11
-_REFINEMENTS = 5
-# Stiffness of the load factor, dimensionless: far above that of a body against its load, of order
-# one, and far below that of a mode without stiffness, 1/_SHIFT.
-_STIFF_LOAD = 1e6
-# By the largest stiffness: no stress acts on an unknown below it, such as a smooth footing that
-# moves along its face. It is far below the shift.
-_NOTHING = 1e-30
-_FINISHED = 0.5  # A refinement that leaves more than this of the forces has reached round-off.
-
 
 Moves = Callable[[Floats], Floats]
 """From weights of points per their mean to how far stresses move, per strain rate."""
@@ -57,7 +45,7 @@ def by_area(weights: Floats) -> Floats:
 class Balancing(Protocol):
     """Projection of stresses and reactions onto equilibrium."""
 
-    def __call__(self, state: ProgramState, refinements: int = _REFINEMENTS) -> ProgramState:
+    def __call__(self, state: ProgramState, refinements: int = REFINEMENTS) -> ProgramState:
         """Return the nearest state in equilibrium, to round-off if refined.
 
         Else the closest one.
@@ -80,9 +68,9 @@ def onto_equilibrium(
     diagonal = stiffness.diagonal()
     most = float(diagonal.max(initial=0.0)) or 1.0
     # A block without friction has no stiffness along its base, where any scale will do.
-    scale = 1 / np.sqrt(np.where(diagonal > _NOTHING * most, diagonal, most))
+    scale = 1 / np.sqrt(np.where(diagonal > NO_STIFFNESS * most, diagonal, most))
     scaled = csr_matrix(diags_array(scale) @ stiffness @ diags_array(scale))
-    matrix = csr_matrix(scaled + _SHIFT * eye_array(program.n, format="csr"))
+    matrix = csr_matrix(scaled + SHIFT * eye_array(program.n, format="csr"))
     matrix.sort_indices()
     try:
         solver = factorised(matrix)
@@ -94,9 +82,9 @@ def onto_equilibrium(
         return np.asarray(scale * solver.solve(scale * force))
 
     reference = driven(program.reference_load)
-    give = float(program.reference_load @ reference) + _STIFF_LOAD
+    give = float(program.reference_load @ reference) + STIFF_LOAD
 
-    def nearest(state: ProgramState, refinements: int = _REFINEMENTS) -> ProgramState:
+    def nearest(state: ProgramState, refinements: int = REFINEMENTS) -> ProgramState:
         force = out_of_balance(program, state)
         for _ in range(refinements):
             velocity = driven(-force)
@@ -106,7 +94,7 @@ def onto_equilibrium(
             left = out_of_balance(program, moved)
             if not np.abs(left).max() < np.abs(force).max():
                 break
-            done = np.abs(left).max() > _FINISHED * np.abs(force).max()
+            done = np.abs(left).max() > FINISHED * np.abs(force).max()
             state, force = moved, left
             if done:
                 break

@@ -11,13 +11,11 @@ from math import sqrt
 
 import numpy as np
 
+from lacore.bounds.constants import HOPELESS, SCALING_STEPS
 from lacore.bounds.stresses.projection import Balancing
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState
-
-_STEPS = 40  # together a sixth of the time of a solve
-_HOPELESS = 0.01  # excess, by the strengths, at which a solver has found nothing
 
 
 def within_strength(
@@ -42,9 +40,9 @@ def within_strength(
     least = beyond(program, state)
     best = last = ahead = state
     speed = 1.0
-    if not worth < least < _HOPELESS:
+    if not worth < least < HOPELESS:
         return state
-    for _ in range(_STEPS):
+    for _ in range(SCALING_STEPS):
         next_ = nearest(_returned(inside, ahead, 1 + aim * least), 1)
         faster = (1 + sqrt(1 + 4 * speed**2)) / 2
         ahead, last = _further(next_, last, (speed - 1) / faster), next_

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lacore.bounds import possible
+from lacore.bounds import constants, possible
 
 
 def between(monkeypatch, velocity, inside, rates=(0.0, 2.0)):
@@ -24,7 +24,7 @@ def test_a_velocity_is_moved_to_the_edge_of_what_is_possible_and_a_little_beyond
 ):
     """The margin is round-off of the fastest strain rate, whichever group has it."""
     (found,) = between(monkeypatch, [1.5], [0.0], rates)
-    margin = possible._ROUND_OFF * 2.0
+    margin = constants.MARGIN_ROUND_OFF * 2.0
     assert 1 - found == pytest.approx(margin, rel=0.1)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.bounds import constants
 from lacore.bounds.bracket import asking, marking, refine
 from lacore.bounds.bracket.bracket import Bracket, crossing, proven
 from lacore.bounds.bracket.same_domain import difference
@@ -202,7 +203,7 @@ def test_solvers_are_asked_for_a_share_of_the_width(kind, soil):
     one, ten = (run._asked(kind, None, own).tolerance for own in (1e-3, 1e-2))
     assert ten == pytest.approx(10 * one)
     assert one == pytest.approx(1e-3 * (1e-3 if not soil else {"lower": 1e-4, "upper": 3e-6}[kind]))
-    assert run._asked(kind, None, 1e9).tolerance == refine._LOOSEST
+    assert run._asked(kind, None, 1e9).tolerance == constants.LOOSEST_TOLERANCE
     sharper = run_with(0.99, 1.0, target=1e-4, pressure_dependent=soil, sharper={kind: 0.5})
     assert sharper._asked(kind, None, 1e-2).tolerance == pytest.approx(ten / 2)
     stays_wide = run_with(0.1, 1.0, target=1e-4, pressure_dependent=soil, coulomb=True)
@@ -327,9 +328,9 @@ def test_a_bracket_ends_for_one_reason(bounds, tracks, ending):
 def test_friction_may_keep_bounds_apart_for_good(coulomb, rest, settled):
     """A quarter of the target, 0.1 of 11, is left to gain on either end at most."""
     run = run_with(9.0, 11.0, coulomb=coulomb)
-    assert (run.closed(track(rests=(rest,) * refine.RECENT)) is la.Ending.SETTLED) == settled
-    assert run.closed(track(rests=(rest, *(0.3,) * (refine.RECENT - 1)))) is None
-    assert run.closed(track(rests=(rest,) * (refine.RECENT - 1))) is None
+    assert (run.closed(track(rests=(rest,) * constants.RECENT)) is la.Ending.SETTLED) == settled
+    assert run.closed(track(rests=(rest, *(0.3,) * (constants.RECENT - 1)))) is None
+    assert run.closed(track(rests=(rest,) * (constants.RECENT - 1))) is None
 
 
 def test_a_failure_ends_a_bracket_unless_a_bound_was_found_before():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.bounds import constants
 from lacore.bounds.bracket import asking, refine
 from lacore.bounds.bracket.track import Track, _in_steps, growths, order
 from tests.lacore.bounds.bracket.test_adaptivity import even_punch
@@ -73,7 +74,7 @@ def test_the_better_of_two_bounds_is_kept_and_none_is_asked_for_too_sharply(monk
     loose = asking.RequestedBound("upper", sand_punch(), 1e-6, affordable=1e-9)
     assert solver.answer(loose).bound.lost == 1.0  # the second loses more
     assert solver.answer(loose).bound.lost == 0.5
-    assert asked == pytest.approx([1e-6, asking.TIGHTEST] * 2, rel=1e-12)
+    assert asked == pytest.approx([1e-6, constants.TIGHTEST_TOLERANCE] * 2, rel=1e-12)
 
 
 def test_a_given_tolerance_is_kept_whatever_is_lost(tolerances):
@@ -85,7 +86,7 @@ def test_a_given_tolerance_is_kept_whatever_is_lost(tolerances):
 
 def test_what_loses_much_is_not_asked_for_twice_on_finer_meshes(tolerances, monkeypatch):
     """They lose more; and what was learnt does not depend on what runs at a time."""
-    monkeypatch.setattr(refine, "_LOST", 1e-6)
+    monkeypatch.setattr(refine, "AFFORDABLE_LOSS", 1e-6)
     one = la.bracket(sand_punch(), 0.05, jobs=1)
     meshes = [tolerances[elements] for elements in sorted(tolerances)]
     again = next(number for number, asked in enumerate(meshes) if len(asked) > 1)
