@@ -37,13 +37,13 @@ def with_hinges(
     """
     outcome = solved(problem, Times())
     for _ in range(HINGING_ROUNDS):
-        if outcome.status is not Status.SOLVED or excess(outcome) <= outcome.allowed_excess:
+        if outcome.status is not Status.SOLVED or outcome.excess <= outcome.allowed_excess:
             break
         outcome = solved(hinged(outcome, given), outcome.times)
     return outcome
 
 
-def excess(found: Outcome | LimitState) -> float:
+def excess(found: LimitState) -> float:
     """How far moments inside members exceed the plastic moment, relative; at least 0."""
     assert found.point is not None
     return span_excess(found.discretisation, found.point)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from lacore.coupling.run import Coupled
 from lacore.limit import cells
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
+from lacore.limit.span_moments import span_excess
 from lacore.model.bodies.continuum.body_forces import linear
 from lacore.model.bodies.continuum.spaces import SPACES
 from lacore.program.certificate import Certificate
@@ -87,6 +89,11 @@ class Outcome(Compact):
     ray: Ray | None
     times: Times
     allowed_excess: float = np.inf
+
+    @cached_property
+    def excess(self) -> float:
+        """Share by which moments inside members exceed the plastic moment; at least 0."""
+        return 0.0 if self.point is None else span_excess(self.discretisation, self.point)
 
     @property
     def bracket(self) -> tuple[float, float] | None:

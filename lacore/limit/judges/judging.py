@@ -12,7 +12,6 @@ from lacore.limit.judges.dimensions import changed_meshes, implausible_dimension
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
 from lacore.limit.outcome import Outcome
-from lacore.limit.span_moments import span_excess
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.regions.lending import next_to_none, strengthless
 from lacore.model.bodies.frames.frame import Frame
@@ -44,10 +43,8 @@ def driving_corners(outcome: Outcome, status: Status) -> Iterator[Finding]:
 
 def moments_inside(outcome: Outcome, status: Status) -> Iterator[Finding]:
     """Moments inside members exceed the plastic moment, however many nodes there are."""
-    if status is Status.SOLVED and outcome.point is not None:
-        excess = span_excess(outcome.discretisation, outcome.point)
-        if not excess <= outcome.allowed_excess:
-            yield Finding(Kind.MOMENTS_INSIDE, (), {"excess": excess}, Severity.REASON)
+    if status is Status.SOLVED and not (excess := outcome.excess) <= outcome.allowed_excess:
+        yield Finding(Kind.MOMENTS_INSIDE, (), {"excess": excess}, Severity.REASON)
 
 
 def other_native_status(outcome: Outcome, status: Status) -> Iterator[Finding]:

@@ -14,5 +14,5 @@ from lacore.reporting.status import Status
     ("excess", "refused"), [(0.0, False), (1e-3, True), (inf, True), (nan, True)]
 )
 def test_an_unknown_excess_of_moments_is_refused(excess, refused):
-    found = list(moments_inside(SimpleNamespace(excess=excess), Status.SOLVED))
+    found = list(moments_inside(SimpleNamespace(excess=excess, allowed_excess=0.0), Status.SOLVED))
     assert [own.kind for own in found] == [Kind.MOMENTS_INSIDE] * refused
