@@ -21,7 +21,7 @@ from lacore_verification.harness.store.store import NAME, sessions
 from lacore_verification.report.blocks import Report
 from lacore_verification.report.drawing import Drawn, Subject, drawing
 from lacore_verification.report.files import write
-from lacore_verification.report.page import compared, subjects
+from lacore_verification.report.page import comparison_report, subjects
 from lacore_verification.runs.run import Run
 
 FOLDER = Path(__file__).parent.parent / "reports" / "reference"
@@ -53,7 +53,7 @@ def report(
     outcomes, _ = load_outcomes(store, catalogue())
     (provenance,) = sessions(store).values()
     with paint(subjects(outcomes, PICTURES)) as drawn:
-        return compared(outcomes, provenance, drawn, TITLE)
+        return comparison_report(outcomes, provenance, drawn, TITLE)
 
 
 def main() -> None:

@@ -23,7 +23,7 @@ from lacore_verification.harness.perform.one_run import run_here
 from lacore_verification.harness.verdicts.path import judge_path
 from lacore_verification.harness.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 from lacore_verification.report.blocks import Gallery
-from lacore_verification.report.page import compared, results_frame
+from lacore_verification.report.page import comparison_report, results_frame
 from lacore_verification.report.path import path_chart
 from lacore_verification.report.studies.convergence import steps_section
 from lacore_verification.runs.row import Row
@@ -179,7 +179,7 @@ def test_the_page_of_a_path_shows_its_loads_on_the_exact_ones() -> None:
     assert len(drawing.chart.tips) == 10
     assert all("exact" in tip.text for tip in drawing.chart.tips)
     assert path_chart(case, []) is None
-    page = compared(outcomes, {"machine": "one"}, {}).pages["cases/tension.html"]
+    page = comparison_report(outcomes, {"machine": "one"}, {}).pages["cases/tension.html"]
     (results, _) = page.sections
     (gallery,) = [block for block in results.blocks if isinstance(block, Gallery)]
     assert "tension-paths" in {item.name for item in gallery.items}

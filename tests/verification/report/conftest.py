@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from lacore_verification.report import files
-from lacore_verification.report.blocks import Document, Report, Section, Table
+from lacore_verification.report.blocks import Page, Report, Section, Table
 from lacore_verification.report.columns import Column
 from tests.verification.command_line import lacore
 
@@ -46,4 +46,4 @@ MIXED = pd.DataFrame(
 def sorted_page(visit, alone):
     columns = (Column("name"), Column("value", form="g"), Column("mesh", order="n_elements"))
     table = Section("one", "One", [Table(columns, MIXED)])
-    return visit(alone(Document("Sorting", "", [table])))
+    return visit(alone(Page("Sorting", "", [table])))

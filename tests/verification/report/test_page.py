@@ -15,10 +15,10 @@ from lacore_verification.harness.analysis.slope_fits import Slope
 from lacore_verification.report import document, files
 from lacore_verification.report.blocks import (
     Details,
-    Document,
     Drawing,
     Gallery,
     Page,
+    PageLink,
     Report,
     Section,
     Table,
@@ -261,7 +261,7 @@ def rendered(page):
 
 
 def page(*blocks):
-    return rendered(Document("Title", "Lead.", [Section("one", "One", blocks)]))
+    return rendered(Page("Title", "Lead.", [Section("one", "One", blocks)]))
 
 
 def test_cells():
@@ -277,7 +277,7 @@ def test_links_lead_to_the_page_that_has_their_target():
     """From the folder of the page that they are on; without a target they are text."""
     places = {"index.html": TABLE, "cases/a.html": PROOFS, "cases/b.html": TABLE}
     pages = {
-        file: Document("", "", [Section("one", "", [table])], trail=[Page("up", "index.html")])
+        file: Page("", "", [Section("one", "", [table])], trail=[PageLink("up", "index.html")])
         for file, table in places.items()
     }
     text = files.rendered(Report(pages))
@@ -323,4 +323,4 @@ def test_page_forbids_what_it_does_not_need():
 def test_a_page_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write there"):
-        files.write(Report({"index.html": Document("", "", [])}), tmp_path / "file")
+        files.write(Report({"index.html": Page("", "", [])}), tmp_path / "file")

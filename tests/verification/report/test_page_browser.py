@@ -13,7 +13,6 @@ from lacore_verification.report.blocks import (
     Cards,
     Count,
     Details,
-    Document,
     Drawing,
     Facts,
     Gallery,
@@ -22,7 +21,8 @@ from lacore_verification.report.blocks import (
     Link,
     Links,
     Page,
-    Pages,
+    PageLink,
+    PageLinks,
     Picture,
     Preformatted,
     Section,
@@ -77,10 +77,10 @@ def hostile_page():
         Preformatted(HOSTILE, sketch=HOSTILE),
         Links([Link(HOSTILE, slug(HOSTILE), HOSTILE)]),
         Facts({HOSTILE: HOSTILE}),
-        Pages([Page(HOSTILE, "index.html", HOSTILE)]),
+        PageLinks([PageLink(HOSTILE, "index.html", HOSTILE)]),
         Tally([Count(1, HOSTILE)]),
         table,
-        Cards([Card(Page(HOSTILE, "index.html", HOSTILE), picture, loose, "bad")]),
+        Cards([Card(PageLink(HOSTILE, "index.html", HOSTILE), picture, loose, "bad")]),
         Gallery([Drawing(HOSTILE, HOSTILE, chart), picture]),
         Details(HOSTILE, [results_table(results), reasons_table(results)]),
         certificates_table(results),
@@ -88,8 +88,8 @@ def hostile_page():
     ]
     section = Section(slug(HOSTILE), f"{HOSTILE} 1", blocks, lead(case), "bad")
     more = Section("more", HOSTILE, [])
-    trail = [Page(HOSTILE, "index.html")]
-    return Document(HOSTILE, HOSTILE, [section, more], [Text(HOSTILE)], trail)
+    trail = [PageLink(HOSTILE, "index.html")]
+    return Page(HOSTILE, HOSTILE, [section, more], [Text(HOSTILE)], trail)
 
 
 @pytest.mark.parametrize("place", ["compared", "page_of_case"])
@@ -306,7 +306,7 @@ def test_hostile_names_are_text(visit, alone, width):
 def test_a_script_that_got_in_would_not_run(visit, alone):
     """Were a text let through unescaped one day, the policy of the page still stops it."""
     planted = Html(Markup("<script>window.owned = 1</script><b onclick='window.owned = 1'>b</b>"))
-    page = Document("Planted", "", [Section("one", "One", [planted])])
+    page = Page("Planted", "", [Section("one", "One", [planted])])
     seen = visit(alone(page))
     seen.page.locator("section b").click()
     assert seen.page.evaluate("window.owned") is None

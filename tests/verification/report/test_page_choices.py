@@ -7,9 +7,9 @@ from lacore_verification.report.blocks import (
     Card,
     Cards,
     Details,
-    Document,
     Filters,
     Page,
+    PageLink,
     Section,
     Table,
     Text,
@@ -47,7 +47,7 @@ def listed(alone):
         own = Table([Column("variant"), Column("verdict")], frame, sortable=False, stacked=True)
         cards.append(
             Card(
-                Page(name, "index.html", f"about {name}"), None, own,
+                PageLink(name, "index.html", f"about {name}"), None, own,
                 name=name, tags=[tag], verdicts=[verdict], seconds=seconds,
                 runs=[f"quick\t{verdict}", *(["exact\tpass"] if tag == "masonry" else [])],
             )
@@ -60,7 +60,7 @@ def listed(alone):
         Section("cases", "Cases", [filters, Cards(cards), Details("All", [table])]),
         Section("more", "More", [Text("text"), rates]),
     ]
-    return alone(Document("Cards", "", sections))
+    return alone(Page("Cards", "", sections))
 
 
 def reopened(visit, seen):

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from lacore_verification.harness.store.manifest import MANIFEST
 from lacore_verification.report import files
 from lacore_verification.report.blocks import (
-    Document,
     Drawing,
     Gallery,
+    Page,
     Picture,
     Report,
     Section,
@@ -49,9 +49,9 @@ def test_files_stay_in_their_folder(name, tmp_path):
     sections = [Section("one", name, [Gallery([drawing]), replace(TABLE, caption=name)])]
     picture = Picture(name, name, png(Figure((1, 1))))
     sections.append(Section("two", name, [picture]))
-    pages = {"index.html": Document(name, name, sections)}
+    pages = {"index.html": Page(name, name, sections)}
     (file,) = case_files([name]).values()
-    files.write(Report(pages | {file: Document(name, name, sections)}), tmp_path / "out")
+    files.write(Report(pages | {file: Page(name, name, sections)}), tmp_path / "out")
     written = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())
     assert [path.parts[1] for path in written] == [
         "cases",
@@ -67,7 +67,7 @@ def test_files_stay_in_their_folder(name, tmp_path):
 def test_pages_share_their_pictures(tmp_path):
     """One file, whatever page it is on."""
     picture = Picture("shown", "", png(Figure((1, 1))))
-    page = Document("", "", [Section("one", "", [Gallery([picture]), picture])])
+    page = Page("", "", [Section("one", "", [Gallery([picture]), picture])])
     files.write(Report({"index.html": page, "cases/a.html": page}), tmp_path)
     assert [path.name for path in (tmp_path / "pictures").iterdir()] == ["shown.png"]
     assert 'src="pictures/shown.png"' in (tmp_path / "index.html").read_text()
@@ -76,7 +76,7 @@ def test_pages_share_their_pictures(tmp_path):
 
 def pages_of(*names):
     picture = Picture("p " + names[-1], "", png(Figure((1, 1))))
-    own = Document("", "", [Section("one", "", [picture, TABLE])])
+    own = Page("", "", [Section("one", "", [picture, TABLE])])
     return Report({"index.html": own} | {f"cases/{name}.html": own for name in names})
 
 
@@ -97,7 +97,7 @@ def test_a_smaller_report_leaves_none_of_the_pages_of_a_larger_one(tmp_path):
 
 def test_folders_that_a_report_leaves_empty_go(tmp_path):
     files.write(pages_of("a"), tmp_path)
-    files.write(Report({"index.html": Document("", "", [])}), tmp_path)
+    files.write(Report({"index.html": Page("", "", [])}), tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["index.html", MANIFEST]
 
 
@@ -121,7 +121,7 @@ def test_a_picture_says_its_size():
 def test_each_picture_has_a_file_of_its_own():
     names = ["a b", "a/b", "a-b-2", "漢", "字", "W" * 400, "W" * 401]
     shown = [Picture(name, "", b"") for name in names]
-    page = Document("", "", [Section("one", "", [Gallery(shown)])])
+    page = Page("", "", [Section("one", "", [Gallery(shown)])])
     written = pictures(Report({"index.html": page}))
     assert [picture.name for picture in written.values()] == names
     assert [*written][:3] == ["a-b", "a-b-2", "a-b-2-2"]

@@ -5,7 +5,7 @@ from math import nan
 import pandas as pd
 import pytest
 
-from lacore_verification.report.blocks import Details, Document, Gallery, Section
+from lacore_verification.report.blocks import Details, Gallery, Page, Section
 from lacore_verification.report.charts.lines import with_lines
 from lacore_verification.report.studies import single_solves
 from lacore_verification.report.studies.convergence import (
@@ -90,7 +90,7 @@ def test_what_is_exact_on_every_mesh_has_no_refinement_chart():
 def test_least_times_link_to_their_runs():
     results = refined()
     (table,) = [t for t in effort_section(results).blocks if "fastest mesh" in t.caption]
-    text = rendered(Document("", "", [Section("one", "", [table, results_table(results)])]))
+    text = rendered(Page("", "", [Section("one", "", [table, results_table(results)])]))
     assert '<a href="#run-fine-fast">1</a>' in text
     assert table.plain["1 %"].tolist() == ["20", "1"]
     assert table.plain["0.1 %"].tolist() == ["", ""]
@@ -135,7 +135,7 @@ def test_any_name_can_be_in_results(name):
         Section("all", "All", [results_table(results), reasons_table(results)]),
         Section("certificates", "Certificates", [certificates_table(results)]),
     ]
-    page = Parsed(rendered(Document(name, name, [s for s in sections if s is not None])))
+    page = Parsed(rendered(Page(name, name, [s for s in sections if s is not None])))
     assert page.tags.count("script") == 1
     assert "img" not in page.tags
     assert len(page.ids) == len(set(page.ids))

@@ -173,7 +173,7 @@ class Links:
 
 
 @dataclass(frozen=True)
-class Page:
+class PageLink:
     """A line of a list of pages: title, file in the report, and description."""
 
     title: str
@@ -182,10 +182,10 @@ class Page:
 
 
 @dataclass(frozen=True)
-class Pages:
+class PageLinks:
     """A list of other pages."""
 
-    items: Sequence[Page]
+    items: Sequence[PageLink]
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ class Card:
         runs: Different ``backend``, tabulator, ``verdict`` of the runs, for `Filters`.
     """
 
-    page: Page
+    page: PageLink
     picture: Picture | None
     table: Table
     mood: str = ""
@@ -272,8 +272,8 @@ class Columns:
 
 
 Block = (
-    Text | Html | Heading | Preformatted | Links | Pages | Facts | Tally | Table | Drawing | Picture
-    | Gallery | Cards | Filters | Details | Columns
+    Text | Html | Heading | Preformatted | Links | PageLinks | Facts | Tally | Table | Drawing
+    | Picture | Gallery | Cards | Filters | Details | Columns
 )  # fmt: skip
 
 
@@ -297,7 +297,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Document:
+class Page:
     """A page.
 
     Attributes:
@@ -312,12 +312,12 @@ class Document:
     lead: str
     sections: Sequence[Section]
     summary: Sequence[Block] = field(default=())
-    trail: Sequence[Page] = field(default=())
+    trail: Sequence[PageLink] = field(default=())
 
 
 @dataclass(frozen=True)
 class Report:
     """Pages by file, such as ``index.html``; `data`: other files that they link to."""
 
-    pages: Mapping[str, Document]
+    pages: Mapping[str, Page]
     data: Mapping[str, str] = field(default_factory=dict)

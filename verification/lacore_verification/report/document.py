@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from lacore_verification.report.blocks import Block, Document, Picture, Table
+from lacore_verification.report.blocks import Block, Page, Picture, Table
 from lacore_verification.report.charts.svg import Chart, inline
 
 
@@ -53,7 +53,7 @@ class Place:
         return "" if file is None else self.to(file)
 
 
-def render(document: Document, place: Place) -> str:
+def render(document: Page, place: Place) -> str:
     """Return the page as text."""
     environment = templates()
     script = environment.get_template("script.html.j2").render()

@@ -15,9 +15,9 @@ from lacore_verification.report.blocks import (
     Cards,
     Columns,
     Details,
-    Document,
     Gallery,
     Heading,
+    Page,
     Picture,
     Report,
     Table,
@@ -75,7 +75,7 @@ def rendered(report: Report) -> dict[str, str]:
     }
 
 
-def _ids(page: Document) -> Iterator[str]:
+def _ids(page: Page) -> Iterator[str]:
     """Yield the ids of a page for links."""
     yield from (section.id for section in page.sections)
     for _, block in _blocks(page):
@@ -168,7 +168,7 @@ def _cell(text: object) -> str:
     return _SPECIAL.sub(r"\\\1", line)
 
 
-def _blocks(page: Document) -> Iterator[tuple[str, Block]]:
+def _blocks(page: Page) -> Iterator[tuple[str, Block]]:
     yield from _inside("summary", page.summary)
     for section in page.sections:
         yield from _inside(section.id, section.blocks)

@@ -15,10 +15,10 @@ from lacore_verification.harness.verdicts.words import tally
 from lacore_verification.harness.verify import load_checks
 from lacore_verification.report.blocks import (
     Block,
-    Document,
     Facts,
     Gallery,
     Page,
+    PageLink,
     Picture,
     Preformatted,
     Report,
@@ -43,7 +43,7 @@ from lacore_verification.report.reporting import pictures_of
 from lacore_verification.runs.outcome import Outcome
 
 _NO_KIND = "others"
-_UP = Page("All cases", INDEX)
+_UP = PageLink("All cases", INDEX)
 
 
 def write_manual(
@@ -119,7 +119,7 @@ def _contents(
     provenance: Mapping[str, str],
     files: Mapping[str, str],
     drawn: Drawn,
-) -> Document:
+) -> Page:
     """Write the page that links to all others, with the cases by kind."""
     pictures = {}
     for case in cases:
@@ -134,7 +134,7 @@ def _contents(
             lists.append(shown)
             sections.append(Section(f"kind-{kind}", kind.capitalize(), [shown]))
     count = tally(outcomes)
-    return Document(
+    return Page(
         title="Verification manual",
         lead=f"{counted(len(cases), 'case')} with reference values and hand calculations;"
         f" {counted(len(outcomes), 'run')}: {count.text}.",
@@ -154,7 +154,7 @@ def page_of(
     checks: pd.DataFrame,
     provenance: Mapping[str, str],
     drawn: Drawn,
-) -> Document:
+) -> Page:
     """Write the page of a case with its outcomes and checks."""
     sections = [
         Section("problem", "The problem", [_sketch(case, drawn)]),
@@ -171,7 +171,7 @@ def page_of(
         Section("machine", "Machine and versions", [Facts(provenance)]),
     ]
     found = [answers(outcomes)] if outcomes else []
-    return Document(case.title, lead(case), sections, found, trail=[_UP])
+    return Page(case.title, lead(case), sections, found, trail=[_UP])
 
 
 def _checks_table(checks: pd.DataFrame) -> Table:

@@ -10,7 +10,7 @@ from lacore_verification.case import Case
 from lacore_verification.case.band import BRACKET
 from lacore_verification.harness.analysis.summary import VariantSummary, summaries
 from lacore_verification.harness.verdicts.words import FAIL, PASS
-from lacore_verification.report.blocks import Card, Cards, Filters, Page, Picture, Table
+from lacore_verification.report.blocks import Card, Cards, Filters, PageLink, Picture, Table
 from lacore_verification.report.columns import CERTIFICATE, Column, columns
 from lacore_verification.report.description import lead
 from lacore_verification.report.drawing import Drawn, Subject, thumbnail_of
@@ -54,7 +54,7 @@ def cards(
         table = answers(own)
         items.append(
             Card(
-                Page(case.title, files[case.id], lead(case)),
+                PageLink(case.title, files[case.id], lead(case)),
                 pictures.get(case.id),
                 table,
                 mood_of(verdicts := table.data["verdict"].tolist()),

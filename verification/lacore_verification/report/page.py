@@ -28,7 +28,6 @@ from lacore_verification.report.blocks import (
     Block,
     Count,
     Details,
-    Document,
     Drawing,
     Facts,
     Gallery,
@@ -37,7 +36,8 @@ from lacore_verification.report.blocks import (
     Link,
     Links,
     Page,
-    Pages,
+    PageLink,
+    PageLinks,
     Picture,
     Report,
     Section,
@@ -78,7 +78,7 @@ _SHOWN = 8
 
 
 @dataclass(frozen=True)
-class Own:
+class CaseResults:
     """A case with its outcomes and results."""
 
     case: Case
@@ -86,13 +86,13 @@ class Own:
     results: pd.DataFrame
 
 
-def by_case(outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Own]:
+def by_case(outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[CaseResults]:
     """Group outcomes, and the rows of their `results_frame`, by case, in their order."""
     places: dict[str, list[int]] = {}
     for index, outcome in enumerate(outcomes):
         places.setdefault(outcome.run.case.id, []).append(index)
     return [
-        Own(outcomes[own[0]].run.case, [outcomes[n] for n in own], results.iloc[own])
+        CaseResults(outcomes[own[0]].run.case, [outcomes[n] for n in own], results.iloc[own])
         for own in places.values()
     ]
 
@@ -109,7 +109,7 @@ def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
     return found
 
 
-def compared(
+def comparison_report(
     outcomes: Sequence[Outcome],
     machine: Mapping[str, str],
     drawn: Drawn,
@@ -127,14 +127,12 @@ def compared(
         files[one.case.id]: _page(one, drawn, _trail(own, n, files)) for n, one in enumerate(own)
     }
     index = _index(outcomes, own, files, drawn)
-    sections = [*index, *side_by_side, *_more(outcomes, results, pages, machine, programs)]
+    sections = [*index, *side_by_side, *_appendices(outcomes, results, pages, machine, programs)]
     return Report(
-        {INDEX: Document(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
+        {INDEX: Page(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
         | own_pages
         | {
-            file: Document(
-                section.title, section.lead, [section], solver_filter(outcomes), trail=[_UP]
-            )
+            file: Page(section.title, section.lead, [section], solver_filter(outcomes), trail=[_UP])
             for file, section in pages.items()
         },
         {
@@ -146,7 +144,7 @@ def compared(
     )
 
 
-_UP = Page("All cases", INDEX)
+_UP = PageLink("All cases", INDEX)
 
 
 def _studies(results: pd.DataFrame) -> tuple[list[Section], list[Section]]:
@@ -161,7 +159,7 @@ def _studies(results: pd.DataFrame) -> tuple[list[Section], list[Section]]:
     return studies(results), [] if side_by_side is None else [side_by_side]
 
 
-def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
+def _lead(outcomes: Sequence[Outcome], own: Sequence[CaseResults]) -> str:
     seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
     return (
         f"{counted(len(own), 'case')}, {counted(len(outcomes), 'run')}, {seconds:.0f} s of"
@@ -172,7 +170,7 @@ def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
 
 def _index(
     outcomes: Sequence[Outcome],
-    own: Sequence[Own],
+    own: Sequence[CaseResults],
     files: Mapping[str, str],
     drawn: Drawn,
 ) -> list[Section]:
@@ -196,21 +194,21 @@ def _index(
     ]
 
 
-def _picture(own: Own, drawn: Drawn) -> Picture | None:
+def _picture(own: CaseResults, drawn: Drawn) -> Picture | None:
     subjects = [*mechanisms(own.outcomes, 1), *brackets(own.outcomes, 1), sketch(own.case)]
     return first_thumbnail(subjects, drawn)
 
 
-def _more(
+def _appendices(
     outcomes: Sequence[Outcome],
     results: pd.DataFrame,
     pages: Mapping[str, Section],
     machine: Mapping[str, str],
     programs: Collection[str],
 ) -> list[Section]:
-    links = [Page(section.title, file) for file, section in pages.items()]
+    links = [PageLink(section.title, file) for file, section in pages.items()]
     return [
-        *([Section("studies", "Studies", [Pages(links)])] if links else []),
+        *([Section("studies", "Studies", [PageLinks(links)])] if links else []),
         Section("couplings", "Couplings and backends", [couplings_table(results)]),
         settings_section(outcome.run for outcome in outcomes),
         noise_section(results),
@@ -220,31 +218,34 @@ def _more(
     ]
 
 
-def _downloads(programs: Collection[str]) -> Pages:
+def _downloads(programs: Collection[str]) -> PageLinks:
     """Link the files with all runs, and the index of programs if there are any."""
     index = f"{INSTANCES}/index.csv"
-    return Pages(
+    minima = [PageLink(index, index, "Minima and checksums of the programs.")]
+    return PageLinks(
         [
-            Page("results.csv", RESULTS, "All runs, with settings, residuals, times and verdicts."),
-            Page("settings.csv", SETTINGS, "All options of the backends, with their defaults."),
-            Page(
+            PageLink(
+                "results.csv", RESULTS, "All runs, with settings, residuals, times and verdicts."
+            ),
+            PageLink("settings.csv", SETTINGS, "All options of the backends, with their defaults."),
+            PageLink(
                 "provenance.json",
                 PROVENANCE,
                 "Machine, date and versions, for lacore history. Each table of the report also"
                 " links to its CSV file.",
             ),
-            *([Page(index, index, "Minima and checksums of the programs.")] if programs else []),
+            *(minima if programs else []),
         ]
     )
 
 
-def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Page]:
+def _trail(own: Sequence[CaseResults], number: int, files: Mapping[str, str]) -> list[PageLink]:
     """Link the index, and the cases before and after."""
     near = [(number - 1, "\N{LEFTWARDS ARROW} {}"), (number + 1, "{} \N{RIGHTWARDS ARROW}")]
     return [
         _UP,
         *(
-            Page(words.format(own[n].case.title), files[own[n].case.id])
+            PageLink(words.format(own[n].case.title), files[own[n].case.id])
             for n, words in near
             if 0 <= n < len(own)
         ),
@@ -288,13 +289,13 @@ def _tally(count: Verdicts) -> Tally:
     return Tally(counts + [own for own in rare if own.number])
 
 
-def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
+def _page(own: CaseResults, drawn: Drawn, trail: Sequence[PageLink]) -> Page:
     """Write the page of a case."""
     results = [
         *solver_filter(own.outcomes),
         *results_of(own.case, own.outcomes, own.results, drawn),
     ]
-    return Document(
+    return Page(
         own.case.title,
         lead(own.case),
         [
@@ -306,7 +307,7 @@ def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
     )
 
 
-def _sketch(own: Own, drawn: Drawn) -> Iterator[Gallery]:
+def _sketch(own: CaseResults, drawn: Drawn) -> Iterator[Gallery]:
     """Yield the sketch of the problem, if it was drawn in place of a mechanism."""
     found = drawn.get(sketch(own.case).name)
     if isinstance(found, Picture):

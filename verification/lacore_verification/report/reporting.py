@@ -58,7 +58,7 @@ class GrowingReport:
         count = f"{len(outcomes)} of {len(self._runs)} runs finished"
         about = {**describe(run.backend for run in self._runs), "progress": count}
         title = f"Collapse loads compared with reference values, {count}"
-        write(page.compared(outcomes, about, {}, title), self._folder)
+        write(page.comparison_report(outcomes, about, {}, title), self._folder)
 
 
 def write_report(
@@ -79,7 +79,7 @@ def write_report(
     cases = len({outcome.run.case.id for outcome in outcomes})
     subjects = page.subjects(outcomes, most_for(cases) if most is None else most)
     with pictures_of(subjects) as drawn:
-        report = page.compared(outcomes, about, drawn, programs=program_files(folder))
+        report = page.comparison_report(outcomes, about, drawn, programs=program_files(folder))
     with progress.status("writing the pages"):
         return write(report, folder)
 

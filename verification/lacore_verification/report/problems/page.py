@@ -16,11 +16,11 @@ from lacore.reporting.units import Units
 from lacore_verification.report.blocks import (
     Block,
     Details,
-    Document,
     Facts,
     Gallery,
     Page,
-    Pages,
+    PageLink,
+    PageLinks,
     Picture,
     Preformatted,
     Report,
@@ -77,11 +77,15 @@ def page(
         Section("certificate", "Certificate", [*_certificate(state)]),
         Section("tables", "Tables", [*_tables(state, units)]),
         Section("file", "The problem file", [Preformatted(text)]),
-        Section("files", "Files", [Pages([Page(file, file, why) for file, why in files.items()])]),
+        Section(
+            "files",
+            "Files",
+            [PageLinks([PageLink(file, file, why) for file, why in files.items()])],
+        ),
         Section("machine", "Machine and versions", [Facts(machine)]),
     ]
     kept = [section for section in sections if section.blocks]
-    return Report({INDEX: Document(title, _lead(answer, units), kept, [Facts(told)])})
+    return Report({INDEX: Page(title, _lead(answer, units), kept, [Facts(told)])})
 
 
 def _lead(answer: ProblemResults, units: Units) -> str:

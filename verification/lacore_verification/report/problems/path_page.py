@@ -20,11 +20,11 @@ from lacore_verification.harness.store.provenance import describe
 from lacore_verification.report.blocks import (
     Block,
     Details,
-    Document,
     Facts,
     Gallery,
     Page,
-    Pages,
+    PageLink,
+    PageLinks,
     Picture,
     Preformatted,
     Report,
@@ -151,12 +151,16 @@ def _report(stated: Stated, found: Followed, files: dict[str, str]) -> Report:
         Section("history", "History", [*_tables(stated, found.path)]),
         Section("problem", "The problem", [*described(stated.problem, stated.units)]),
         Section("file", "The problem file", [Preformatted(text)]),
-        Section("files", "Files", [Pages([Page(file, file, why) for file, why in files.items()])]),
+        Section(
+            "files",
+            "Files",
+            [PageLinks([PageLink(file, file, why) for file, why in files.items()])],
+        ),
         Section("machine", "Machine and versions", [Facts(describe([found.backend]))]),
     ]
     kept = [section for section in sections if section.blocks]
     lead = f"{told['path'][:1].upper()}{told['path'][1:]}."
-    return Report({INDEX: Document(stated.title, lead, kept, [Facts(told)])})
+    return Report({INDEX: Page(stated.title, lead, kept, [Facts(told)])})
 
 
 def _pictures(path: la.Path) -> Iterator[Block]:

@@ -8,10 +8,10 @@ from lacore_verification.harness.analysis.history import SHIFT, History
 from lacore_verification.harness.store.versions import Version
 from lacore_verification.report.blocks import (
     Block,
-    Document,
     Drawing,
     Filters,
     Gallery,
+    Page,
     Report,
     Section,
     Table,
@@ -46,7 +46,7 @@ def history_report(versions: Sequence[Version], found: History) -> Report:
         Section("changes", "Changed runs", [_changes(found)]),
         *_packages(versions),
     ]
-    return Report({INDEX: Document(TITLE, lead, sections)})
+    return Report({INDEX: Page(TITLE, lead, sections)})
 
 
 def versions_table(versions: Sequence[Version], found: History) -> Table:
