@@ -13,10 +13,8 @@ from lacore.reporting.errors import BackendError
 from lacore.solvers.child_process import GRACE, LONGEST, START, LostError
 from lacore.solvers.contract import InnerSolution, failed_answer
 from lacore.solvers.plain_answers import read_answer
-from lacore.solvers.served_process import ServedProcess, Source
+from lacore.solvers.served_process import Replacement, ServedProcess, Source
 
-LEFT_RUNNING = "it was left with"
-"""Begins the reason why a process was replaced in which a backend left something running."""
 _READ_ONLY = ("is read-only", "cannot set WRITEABLE flag")  # messages of NumPy
 
 
@@ -80,7 +78,7 @@ class IsolatedSolver:
         self._asked(partial(self._process.ask, self._limit, "close", self._number))
         left = self._asked(partial(self._process.ask, START, "rest"))
         if left:
-            self._process.replace_for(f"{LEFT_RUNNING} {left}")
+            self._process.replace_for(Replacement(f"it was left with {left}", left_running=True))
 
 
 def _read(sent: Any, seconds: float) -> InnerSolution:

@@ -37,6 +37,22 @@ class Source:
     file: str = ""
 
 
+@dataclass(frozen=True)
+class Replacement:
+    """Why a process was replaced.
+
+    Attributes:
+        reason: Text.
+        left_running: Whether threads or processes remained after its solver was closed.
+    """
+
+    reason: str
+    left_running: bool = False
+
+    def __str__(self) -> str:
+        return f"the process of the backend was replaced: {self.reason}"
+
+
 class ServedProcess:
     """Process for one backend at a time; for another one it is started again.
 
@@ -48,7 +64,7 @@ class ServedProcess:
         self._source: Source | None = None
         self._generation = 0
         self._count = 0
-        self._note = ""
+        self._replaced: Replacement | None = None
         self._warm = False
         self._to_warm_up: set[Source] = set()
         self._lost: dict[Source, LostError] = {}
@@ -89,7 +105,7 @@ class ServedProcess:
         if source in self._lost:  # A warm-up that hangs costs its time only once.
             raise self._lost[source]
         if self._source == source and self._process.running and self._was_busy():
-            self.replace_for("it computed without a request")
+            self.replace_for(Replacement("it computed without a request"))
         if self._source != source or not self._process.running:
             self.open(source)
         if source in self._to_warm_up and not self._warm:
@@ -127,14 +143,14 @@ class ServedProcess:
         """Number of starts of the process."""
         return self._generation
 
-    def replace_for(self, why: str) -> None:
+    def replace_for(self, why: Replacement) -> None:
         """Stop the process, and note why; see `take_note`."""
-        self._note = f"the process of the backend was replaced: {why}"
+        self._replaced = why
         self.close()
 
-    def take_note(self) -> str:
-        """Return why the process was last replaced, and forget it; empty if it was not."""
-        note, self._note = self._note, ""
+    def take_note(self) -> Replacement | None:
+        """Return why the process was last replaced, and forget it; None if it was not."""
+        note, self._replaced = self._replaced, None
         return note
 
     def holds(self, generation: int) -> bool:

@@ -24,7 +24,6 @@ from lacore.solvers.backend import (
     read_options,
 )
 from lacore.solvers.description import describe, read_description
-from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.plain_answers import pack_answer, read_answer
 from lacore_verification.conformance.contact_programs import sequence
@@ -354,7 +353,8 @@ def left_running(bench: Bench) -> Iterator[Finding]:
     backend.process.take_note()
     bench.answer(_FRICTION.program, _FRICTION.contact)
     note = backend.process.take_note()
-    yield said("left running", "nothing", LEFT_RUNNING not in note, note)
+    left = note is not None and note.left_running
+    yield said("left running", "nothing", not left, str(note or ""))
 
 
 _FRICTION = next(worked for worked in WORKED if worked.name == "friction")

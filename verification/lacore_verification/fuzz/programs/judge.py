@@ -26,9 +26,9 @@ from lacore.solvers.child_process import ENDED
 from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
 from lacore.solvers.inner.preparing import preparer
 from lacore.solvers.inner.rescaling import good_for
-from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.registry import PROVING_BACKEND
+from lacore.solvers.served_process import Replacement
 from lacore_verification.fuzz.programs.drawn import Drawn
 
 RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"
@@ -109,13 +109,13 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> ProgramRun:
         seconds = float(np.fmax(seconds, answer.solve_time))
     residual = nan if answer.point is None else recomputed(drawn, answer)
     note = take_note(backend)
-    faults = [*watched.faults, *([note] if LEFT_RUNNING in note else [])]
+    faults = [*watched.faults, *([str(note)] if note is not None and note.left_running else [])]
     return ProgramRun(backend.name, answer, residual, seconds, next(iter(faults), ""))
 
 
-def take_note(backend: Backend) -> str:
-    """Return why the process of a backend was replaced, and forget it; empty if it was not."""
-    return backend.process.take_note() if isinstance(backend, IsolatedBackend) else ""
+def take_note(backend: Backend) -> Replacement | None:
+    """Return why the process of a backend was replaced, and forget it; None if it was not."""
+    return backend.process.take_note() if isinstance(backend, IsolatedBackend) else None
 
 
 class _Watched:

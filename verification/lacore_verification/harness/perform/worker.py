@@ -70,7 +70,8 @@ def _note(backend: str) -> str:
         found = load_backend(backend)
     except la.CapabilityError:  # The row reports it.
         return ""
-    return found.process.take_note() if isinstance(found, IsolatedBackend) else ""
+    note = found.process.take_note() if isinstance(found, IsolatedBackend) else None
+    return "" if note is None else str(note)
 
 
 def _with_compile_time(row: Row) -> Row:
