@@ -58,7 +58,8 @@ def snapped(pressure: Any, mesh: Mesh) -> Any:
         return pressure
     heights = vertices(mesh)[1]
     nearest = float(heights[np.argmin(np.abs(heights - pressure.height))])
-    close = allowed(mesh) < abs(nearest - pressure.height) <= _SNAP * float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
+    size = float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
+    close = allowed(mesh) < abs(nearest - pressure.height) <= _SNAP * size
     return replace(pressure, height=nearest) if close else pressure
 
 
