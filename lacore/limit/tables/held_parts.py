@@ -5,7 +5,9 @@ import pandas as pd
 
 from lacore.assembly.bonds import supports_of, without_bonds
 from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.held_loads import moved_to_holders
 from lacore.assembly.loading import footings_of
+from lacore.assembly.unknowns import Unknowns
 from lacore.model.bodies.any_body import RigidParts
 from lacore.model.bodies.continuum.dofs import BodyDofs
 from lacore.model.bodies.continuum.regions import gathering
@@ -32,10 +34,10 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
     d = discretisation
     rigid: dict[str, RigidParts] = {**d.blocks, **d.frames}
     force = without_bonds(d.problem, rigid, out_of_balance(d.full, point))
-    frames = []
+    taken, frames = _taken(d, point.load_factor), []
     for name, dofs in d.continua.items():
         held = d.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]
-        nodal = _nodal(d, name, dofs, force, point)
+        nodal = _nodal(d, name, dofs, force, point) + taken[dofs.dofs]
         columns = dict(
             zip(_COLUMNS[len(nodal)], (*dofs.nodes[:, held], *nodal[:, held]), strict=False)
         )
@@ -50,6 +52,19 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
         columns = dict(zip(_COLUMNS[len(place)], (*place, *exerted), strict=True))
         frames.append(pd.DataFrame({"body": name, **columns}))
     return pd.concat(frames, ignore_index=True)
+
+
+def _taken(d: Discretisation, load_factor: float) -> Floats:
+    """Return the forces that balance tractions which act on supports and footings, (n,), N/m.
+
+    A body that slips past them does not feel these tractions.
+    """
+    unknowns, problem = Unknowns.of(d.problem), d.problem
+    reference, dead = (
+        moved_to_holders(loads, problem, unknowns, d.slips)
+        for loads in (problem.reference_loads, problem.dead_loads)
+    )
+    return load_factor * reference + dead
 
 
 def _nodal(

@@ -1,5 +1,7 @@
 """A traction on a boundary that something holds acts on what holds it."""
 
+from dataclasses import replace
+
 import pytest
 
 import lacore as la
@@ -72,6 +74,36 @@ def test_a_rough_footing_moves_with_a_traction(traction):
     assert loaded == pytest.approx(
         (upper - traction, solved - traction, lower - traction), rel=1e-6
     )
+
+
+@pytest.mark.parametrize("space", ["p2-vertex", "p2-disc"])
+@pytest.mark.parametrize("where", ["reference_loads", "dead_loads"])
+def test_supports_carry_a_traction_that_they_take(space, where):
+    """Of a unit block: the support balances the body force, the traction, and the wall."""
+    stated = wall(space=space)
+    traction = la.Traction("block", "bottom", (0.5, -0.25))
+    state = la.solve(replace(stated, **{where: [*getattr(stated, where), traction]}), throw=True)
+    held, contact = state.support_reactions, state.reactions
+    pressed = float((contact["length"] * contact["t_n"]).sum())
+    times = state.load_factor if where == "reference_loads" else 1.0
+    along = -state.load_factor - times * 0.5 - pressed
+    assert held["force_x"].sum() == pytest.approx(along, abs=1e-6)  # the accuracy of solves
+    assert held["force_y"].sum() == pytest.approx(times * 0.25, abs=1e-6)
+
+
+@pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])
+def test_a_support_in_space_carries_a_traction_that_it_takes(space):
+    state = la.solve(cube(la.Traction("block", "bottom", (0.9, -0.4, 0.3)), space=space))
+    held = state.support_reactions[["force_x", "force_y", "force_z"]].sum()
+    assert held.to_numpy() == pytest.approx([-0.9 - state.load_factor, 0.4, -0.3], abs=1e-6)
+
+
+def test_a_rough_footing_exerts_its_own_load_alone():
+    """The traction reaches the footing, so the net force on the body below is the driving load."""
+    state = la.solve(pushed(la.Traction("block", "top", (0.25, 0))), throw=True)
+    held = state.support_reactions
+    top = held[held["y"] == 1.0]
+    assert top["force_x"].sum() == pytest.approx(state.load_factor, abs=1e-6)
 
 
 def test_the_safety_of_a_loaded_footing_is_bounded_from_both_sides():
