@@ -118,6 +118,8 @@ class Drawing(Entry):
     """Vertices nearer than this are one; 1e-5 of the size of the drawing if left out."""
     sagitta: Length | None = None
     """Largest distance of chords from curves; by default curves are rejected."""
+    gap: Length | None = None
+    """Width of mortar joints that are drawn as gaps."""
     openings: tuple[str, ...] = ()
     """Layers of the outlines of windows and doors."""
     joints: tuple[JointFriction, ...] = ()

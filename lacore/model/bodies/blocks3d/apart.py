@@ -38,7 +38,10 @@ def require_apart(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: 
                 Quantity(2 * radius[worst], "m", ".3g"),
                 deep.size,
             ),
-            "move them apart",
+            text(
+                "move them apart; a slight overlap is within a tolerance above {}",
+                Quantity(2 * radius.max(), "m", ".3g"),
+            ),
         )
 
 

@@ -27,6 +27,7 @@ from lacore.model.bodies.touching import Touched
 from lacore.model.conditions.loads import Fix, Load
 from lacore.model.conditions.where import asked
 from lacore.model.materials.friction import Friction
+from lacore.model.meshes.files.notes import notes_of
 from lacore.numerics.arrays import Bools, Floats, Ints
 from lacore.reporting import terms
 from lacore.reporting.errors import InputError, require_positive
@@ -130,6 +131,8 @@ class BlockAssembly3D(RigidBlocks):
     def facts(self) -> Facts:
         """Return the contents, for printing."""
         facts = super().facts()
+        if notes := notes_of(self):
+            facts = Facts(facts.title, {**facts.told, "file": "; ".join(notes)})
         if (law := crushing_of(self.crushing)) is None:
             return facts
         crushing = f"{short(law.strength)} Pa, {counted(law.divisions, 'division')}"

@@ -5,7 +5,7 @@ It is found in
 
 - the nodes of a graph (compas_assembly 0.2 to 0.7), which compas wrapped as "value", later "data";
 - the elements of a model (compas_model, compas_dem), to which nodes of its graph refer;
-- "blocks", next to a network whose vertices mark supports (compas_assembly 0.1).
+- "blocks", next to a network whose vertices or nodes mark supports (compas_assembly 0.1).
 
 Meshes are plane, or prisms across the plane of the wall.
 """
@@ -66,7 +66,7 @@ def meshes_of(path: str, content: Any) -> list[tuple[str, str, tuple[Floats, lis
         raise InputError(
             "path",
             path,
-            "neither GeoJSON (no `type`) nor an assembly of compas (no graph with nodes)",
+            "neither GeoJSON (by its `type`) nor an assembly of compas (no graph with nodes)",
             "write it by compas.json_dump(assembly, path)",
         )
     meshes = [(key, _layer(node), _mesh(node, path, key)) for key, node in nodes.items()]
@@ -77,7 +77,8 @@ def meshes_of(path: str, content: Any) -> list[tuple[str, str, tuple[Floats, lis
 
 def _nodes(content: Any) -> dict[str, Any] | None:
     """Return the data of each block; models are preferred to graphs, which may repeat them."""
-    for kind in (_of_model, _of_graph, _of_network):
+    # The graph of a network has nodes without meshes, which are next to it.
+    for kind in (_of_model, _of_network, _of_graph):
         for own in _dictionaries(content):
             found = kind(own)
             if found is not None:
@@ -104,7 +105,7 @@ def _of_network(own: dict[str, Any]) -> dict[str, Any] | None:
     blocks, network = own.get("blocks"), own.get("assembly")
     if not (isinstance(blocks, dict) and isinstance(network, dict)):
         return None
-    said = network.get("vertex")
+    said = next((network[key] for key in ("vertex", "node") if key in network), None)
     said = said if isinstance(said, dict) else {}
     return {str(key): [mesh, said.get(key)] for key, mesh in blocks.items()}
 

@@ -60,6 +60,8 @@ class DrawnBlocks(Shown):
         unit: unit of the drawing, from the file or the user.
         snap: m: vertices closer than this are merged.
         moved: the farthest that a vertex was moved, m.
+        gap: m: width of joints by which the outlines were moved towards each other, if any.
+        repeated: handles of blocks that are drawn several times, and are read once.
         skipped: numbers of entities in the layers that are not lines, by kind.
         ignored: other layers.
     """
@@ -74,6 +76,8 @@ class DrawnBlocks(Shown):
     moved: float
     skipped: Mapping[str, int]
     ignored: tuple[str, ...]
+    gap: float | None = None
+    repeated: tuple[str, ...] = ()
 
     def named(self, layer: str) -> tuple[str, ...]:
         """Return the names of the blocks of a layer.
@@ -124,6 +128,25 @@ class DrawnBlocks(Shown):
             for name, own in heavy.items()
         ]
 
+    @property
+    def gaps(self) -> str:
+        """Text on blocks without a joint, and their distances; empty if all have one."""
+        loose = [self.blocks.names.index(name) for name in self._loose()]
+        if not loose or len(self.blocks.names) < 2:
+            return ""
+        polygons = np.array([shapely.Polygon(ring) for ring in self.blocks.polygons.values()])
+        _, away = shapely.STRtree(polygons).query_nearest(
+            polygons[loose], exclusive=True, return_distance=True, all_matches=False
+        )
+        near, far = f"{away.min():.3g}", f"{away.max():.3g}"
+        return f"{counted(len(loose), 'block')} {near} to {far} m from the next: give gap={near}?"
+
+    def _loose(self) -> list[str]:
+        """Return the names of the blocks without a joint."""
+        joints = self.blocks.joints
+        met = {*joints.master.tolist(), *joints.slave.tolist()}
+        return [name for number, name in enumerate(self.blocks.names) if number not in met]
+
     def facts(self) -> Facts:
         """Return the blocks, the unit, and how far vertices were moved, for printing."""
         counts = [f"{len(self.named(name))} in {name!r}" for name in self.layers]
@@ -133,6 +156,13 @@ class DrawnBlocks(Shown):
             "layers": ", ".join(counts) + left,
             "snap": f"{self.snap:.3g} m; vertices moved by {self.moved:.2g} m at most",
         }
+        if self.gap is not None:
+            told["gap"] = f"{self.gap:.3g} m between blocks closed"
+        if self.repeated:
+            times = counted(len(self.repeated), "block")
+            told["repeated"] = f"{times} drawn several times and read once: {listed(self.repeated)}"
+        if gaps := self.gaps:
+            told["gaps"] = gaps
         if self.skipped:
             told["no lines"] = ", ".join(counted(n, kind) for kind, n in self.skipped.items())
         return Facts(f"DrawnBlocks: {self.blocks.contents}", told)

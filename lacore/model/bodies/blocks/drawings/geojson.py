@@ -12,6 +12,11 @@ from lacore.model.bodies.blocks.drawings.strokes import Drawing, Stroke, refused
 from lacore.reporting.errors import InputError
 
 UNNAMED = "0"  # layer of features without one, as in DXF
+TYPES = (
+    *("FeatureCollection", "Feature", "GeometryCollection", "Point", "MultiPoint"),
+    *("LineString", "MultiLineString", "LinearRing", "Polygon", "MultiPolygon"),
+)
+"""Values of the key `type` of GeoJSON."""
 _AREAS, _LINES = ("Polygon", "MultiPolygon"), ("LineString", "MultiLineString", "LinearRing")
 
 

@@ -1,5 +1,6 @@
 """Outlines that meet, from drawn lines: merged, closed, straightened, in order."""
 
+from collections import Counter
 from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ from lacore.reporting.text import Quantity, text
 _WIDEST = 2.0  # in snaps: largest distance of merged vertices
 
 _REACH = 2.0  # in snaps: largest distance of corners from an edge after vertices are merged
+_SHARPEST = 10.0  # by half of the gap: longest corner of a widened outline
 _SAME_COURSE = 0.25  # by the mean height of blocks
 
 
@@ -28,11 +30,13 @@ class Outlines:
         rings: numbers of vertices.
         place: places of the vertices, (2, m), m.
         moved: the farthest that a vertex of a block was moved, m.
+        repeated: handles of blocks that are drawn several times.
     """
 
     rings: tuple[Chain, ...]
     place: Floats
     moved: float
+    repeated: tuple[str, ...] = ()
 
 
 def outlines(path: str, strokes: Sequence[Stroke], openings: Set[str], snap: float) -> Outlines:
@@ -60,10 +64,34 @@ def outlines(path: str, strokes: Sequence[Stroke], openings: Set[str], snap: flo
     met = dict(zip(crossed, numbers[len(strokes) :], strict=True))
     place = vertices.place
     rings = _closed(path, chains, met, place, snap, openings)
+    # Before vertices are put on edges, which takes long where blocks are thinner than the snap.
+    _require_blocks(path, rings, place, snap)
     edges = unique_edges(np.concatenate([own.edges for own in rings]))
     moved = straightened(place, np.unique(edges), edges, _REACH * snap)
     _require_blocks(path, rings, moved, snap)
-    return Outlines(tuple(_ordered(rings, moved)), moved, _farthest(points, vertices, edges, moved))
+    _require_apart(path, rings, moved, snap)
+    far = _farthest(points, vertices, edges, moved)
+    return Outlines(tuple(_ordered(rings, moved)), moved, far, _repeated(chains, rings))
+
+
+def grown(found: Outlines, gap: float) -> list[Stroke]:
+    """Return the outlines moved outwards by half of a gap (m), which closes it."""
+    strokes = []
+    for ring in found.rings:
+        polygon = shapely.Polygon(found.place[:, ring.vertices].T)
+        wider = shapely.buffer(polygon, gap / 2, join_style="mitre", mitre_limit=_SHARPEST)
+        corners = shapely.get_coordinates(shapely.get_exterior_ring(wider))[:-1]
+        strokes.append(Stroke(ring.layer, ring.handle, corners, closed=True))
+    return strokes
+
+
+def _repeated(chains: Sequence[Chain], rings: Sequence[Chain]) -> tuple[str, ...]:
+    """Return the handles of blocks that are the outline of several closed lines."""
+    drawn = Counter((own.layer, frozenset(own.vertices.tolist())) for own in chains if own.closed)
+    twice = {key for key, count in drawn.items() if count > 1}
+    return tuple(
+        own.handle for own in rings if (own.layer, frozenset(own.vertices.tolist())) in twice
+    )
 
 
 def _crossings(strokes: Sequence[Stroke]) -> dict[str, Floats]:
@@ -182,13 +210,13 @@ def _require_clear(path: str, chains: Sequence[Chain], vertices: Merged, snap: f
 
 
 def _require_blocks(path: str, rings: Sequence[Chain], place: Floats, snap: float) -> None:
-    """Raise `InputError` for slivers, outlines that cross themselves, and blocks that overlap.
+    """Raise `InputError` for slivers, and outlines that cross themselves.
 
     Args:
         path: of the file.
         rings: closed outlines.
         place: of all vertices, (2, m), m.
-        snap: m: thinner blocks are slivers, and deeper overlaps are some.
+        snap: m: thinner blocks are slivers.
     """
     for ring in rings:
         own = place[:, ring.vertices]
@@ -210,7 +238,6 @@ def _require_blocks(path: str, rings: Sequence[Chain], place: Floats, snap: floa
                 "{} is a sliver: thinner than the snap of {}", at, Quantity(snap, "m", ".3g")
             )
             raise refused(path, ring.told, why, "remove it, or give a smaller snap")
-    _require_apart(path, rings, place, snap)
 
 
 def _require_apart(path: str, rings: Sequence[Chain], place: Floats, snap: float) -> None:
@@ -226,5 +253,6 @@ def _require_apart(path: str, rings: Sequence[Chain], place: Floats, snap: float
         path,
         f"{one.told}, and {other.told}",
         f"these blocks {told} (overlapping pairs: {i.size})",
-        "draw each block once; name the layer of the outlines of windows in `openings`",
+        "draw each block once, or give a snap above a slight depth; name the layer of the outlines"
+        " of windows in `openings`",
     )

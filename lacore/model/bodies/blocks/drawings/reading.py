@@ -13,9 +13,9 @@ import numpy as np
 from lacore.model.bodies.blocks.drawings.compas import read_compas
 from lacore.model.bodies.blocks.drawings.drawn import DrawnBlocks, Layer
 from lacore.model.bodies.blocks.drawings.dxf import read_dxf
-from lacore.model.bodies.blocks.drawings.geojson import read_geojson
+from lacore.model.bodies.blocks.drawings.geojson import TYPES, read_geojson
 from lacore.model.bodies.blocks.drawings.joints import LayerFriction, assembled
-from lacore.model.bodies.blocks.drawings.outlines import outlines
+from lacore.model.bodies.blocks.drawings.outlines import grown, outlines
 from lacore.model.bodies.blocks.drawings.strokes import Drawing, Stroke, metres
 from lacore.numerics.arrays import Floats
 from lacore.reporting.errors import InputError, require_known, require_positive, suggest_all, typed
@@ -35,12 +35,14 @@ def read(
     openings: Sequence[str] = (),
     joint_friction: LayerFriction | None = None,
     sagitta: float | None = None,
+    gap: float | None = None,
 ) -> DrawnBlocks:
     """Read blocks from a drawing: DXF, GeoJSON, or an assembly of compas (JSON).
 
     Closed outlines are blocks, and so are the faces of the network of open lines of one layer:
     stones between joints that are drawn once. Vertices closer than `snap` are merged, and corners
-    close to an edge are moved onto it. Draw stones up to the middle of mortar joints.
+    close to an edge are moved onto it. Draw stones up to the middle of mortar joints, or give the
+    `gap`. A block that is drawn twice in a layer is read once.
 
     Args:
         path: path of the file: .dxf, .geojson or .json.
@@ -54,6 +56,8 @@ def read(
         joint_friction: law of joints between two layers, by pair; by default the weaker one of
             both.
         sagitta: m: largest distance of chords from curves; None: curves are rejected.
+        gap: m: width of mortar joints that are drawn as gaps: each outline is moved outwards by
+            half of it on all sides.
 
     Raises:
         InputError: a file that cannot be read, no unit, a missing layer; open lines, slivers, or
@@ -72,7 +76,7 @@ def read(
     """
     shown = fspath(path)
     _require_layers(layers, openings)
-    for name, value in (("snap", snap), ("sagitta", sagitta)):
+    for name, value in (("snap", snap), ("sagitta", sagitta), ("gap", gap)):
         if value is not None:
             require_positive(name, value)
     wanted = (*layers, *openings)
@@ -82,6 +86,9 @@ def read(
         snap = SNAP * _size(strokes)
         require_positive("snap", snap)
     found = outlines(shown, strokes, set(openings), snap)
+    repeated = found.repeated
+    if gap is not None:
+        found = outlines(shown, grown(found, gap), set(), snap)
     names = _names([own.layer for own in found.rings])
     by_name = dict(zip(names, found.rings, strict=True))
     layer_of = {name: own.layer for name, own in by_name.items()}
@@ -95,6 +102,8 @@ def read(
         unit=unit,
         snap=snap,
         moved=found.moved,
+        gap=gap,
+        repeated=repeated,
         skipped=drawing.skipped,
         ignored=tuple(sorted(set(drawing.layers).difference(wanted))),
     )
@@ -181,7 +190,7 @@ def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | Non
         fix = "give a .dxf, .geojson or .json; of a DWG its DXF"
         raise InputError("path", path, "a format that is not known", fix)
     content = json_of(path)
-    if isinstance(content, dict) and isinstance(content.get("type"), str):
+    if isinstance(content, dict) and content.get("type") in TYPES:
         return read_geojson(path, content, wanted)
     return read_compas(path, content, wanted)
 

@@ -16,15 +16,16 @@ from lacore.model.bodies.blocks.drawings.compas import SUPPORT, meshes_of
 from lacore.model.bodies.blocks.drawings.reading import json_of
 from lacore.model.bodies.blocks.joints import JointFriction
 from lacore.model.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.model.bodies.blocks3d.builders.repair import Mesh, repaired
 from lacore.model.bodies.blocks3d.crushing import Crushing
 from lacore.model.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.model.materials.friction import Friction
 from lacore.model.meshes.files.formats import loaded
+from lacore.model.meshes.files.notes import noted
 from lacore.numerics.arrays import Floats, Ints
 from lacore.reporting.errors import InputError, require_known, require_positive, typed
 from lacore.reporting.units import METRES
 
-Mesh = tuple[Floats, list[list[int]]]
 _SNAP = 1e-5  # by the size of the file: a tenth of a millimetre on ten metres
 _SURFACES = (".obj", ".ply", ".stl")
 
@@ -42,14 +43,17 @@ def read(
 
     Blocks of compas are named after the nodes of their graph, supports ``support KEY``. A file of
     surfaces is divided into closed ones, "1", "2", ... in the order of the file, each contiguous in
-    it; polygons in one plane make one face, and those that collapse to a line are dropped.
+    it; polygons in one plane make one face, and those that collapse to a line are dropped. Warped
+    faces are cut into triangles, a block that is there twice is read once, and an open plane
+    surface with all other blocks on one side is fixed ground, extended to a slab ``support NAME``.
+    `print` of the assembly shows what was changed.
 
     Args:
         path: path of the file: .json, .obj, .ply or .stl.
         friction: law of all joints; `joint_friction` for single pairs.
         crushing: their strength in compression, Pa, if finite.
         tolerance: m; 1e-5 of the overall size if None. Closer vertices of surfaces are merged;
-            faces may be warped, and blocks have gaps or overlaps, by as much.
+            blocks may have gaps or overlaps by as much.
         unit: unit of the file: "m", "dm", "cm", "mm", "km", "in", "ft", "yd".
 
     Raises:
@@ -90,18 +94,16 @@ def read(
         allowed = tolerance or _SNAP * METRES[unit] * _size([points])
         found = _apart(*_merged(points, faces, allowed / METRES[unit]))
         meshes = {str(number): mesh for number, mesh in enumerate(found, start=1)}
-    blocks = {
-        name: _block(shown, name, points * METRES[unit], faces, allowed)
-        for name, (points, faces) in meshes.items()
-    }
-    return BlockAssembly3D(blocks, friction, joint_friction, allowed, crushing)
+    scaled = {name: (points * METRES[unit], faces) for name, (points, faces) in meshes.items()}
+    sound, notes = repaired(scaled, allowed)
+    blocks = {name: _block(shown, name, mesh, allowed) for name, mesh in sound.items()}
+    assembly = BlockAssembly3D(blocks, friction, joint_friction, allowed, crushing)
+    return noted(assembly, (f"{Path(shown).name}, lengths in {unit}", *notes))
 
 
-def _block(
-    path: str, name: str, points: Floats, faces: list[list[int]], tolerance: float
-) -> Polyhedron:
+def _block(path: str, name: str, mesh: Mesh, tolerance: float) -> Polyhedron:
     try:
-        return Polyhedron(points, faces, tolerance)
+        return Polyhedron(*mesh, tolerance)
     except InputError as error:
         why = f"block {name!r}, {error.field}: {error.reason}"
         raise InputError("path", path, why, error.fix) from error
