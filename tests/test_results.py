@@ -18,7 +18,8 @@ JUDGED = {
 }
 """Fields that say what a result proves."""
 POINTS = {  # a copy of a state of the program with the load factor that belongs to it
-    *("lacore/bounds/stresses/projection.py", "lacore/coupling/claims/dead_loads.py"),
+    *("lacore/program/projection.py", "lacore/coupling/claims/dead_loads.py"),
+    "lacore/coupling/claims/locking_ray.py",
     *("lacore/coupling/blocks/slack.py", "lacore/limit/checking.py", "lacore/limit/outcome.py"),
     *("lacore/limit/stability.py", "lacore/limit/state.py", "lacore/program/regularization.py"),
     *("backends/lacore_backends/_conic_laws.py", "lacore/coupling/interval.py"),

@@ -22,7 +22,7 @@ from lacore.reporting.showing import counted
 from lacore.reporting.status import Status
 
 ProblemAt = Callable[[float], Problem]
-_OF_DEAD = {  # by whether they are carried alone
+OF_DEAD = {  # by whether they are carried alone
     True: LoadFactorRecord(inf, 0.0, Status.LOCKED.label, nan, 0.0),
     False: LoadFactorRecord(-inf, 0.0, Status.UNSAFE.label, nan, 0.0),
     None: LoadFactorRecord(nan, nan, Status.NOT_CERTIFIED.label, nan, 0.0),
@@ -41,6 +41,8 @@ class Along:
         folder: folder of stored results; None: they are not stored.
         assembled: assembles a problem.
         on_value: called with each value and its load factor.
+        by_dead: results where no load factor is certified, by whether the dead loads are carried
+            alone.
         rows: results by value.
         states: states that were solved here, by value.
     """
@@ -50,6 +52,7 @@ class Along:
     folder: Path | None = None
     assembled: Callable[[Problem], Discretisation] = discretise
     on_value: Callable[[float, float], None] | None = None
+    by_dead: Mapping[bool | None, LoadFactorRecord] = field(default_factory=dict)
     rows: dict[float, dict[str, Any]] = field(default_factory=dict)
     states: dict[float, LimitState] = field(default_factory=dict)
 
@@ -78,6 +81,8 @@ class Along:
             proven_value(state), error(state), state.status.label, residual, seconds
         )
         self.states[value] = state
+        if isnan(found.value) and self.by_dead:
+            found = self.by_dead[self._stands(self.problem_at(value))]
         self._note(value, found, kept=False)
         if self.folder and not isnan(found.value):
             keep(self.folder, name, found)
@@ -116,13 +121,17 @@ class Along:
     def _without_power(self, value: float) -> LoadFactorRecord:
         """Return the result for the dead loads alone, if supports take the other loads."""
         problem = self.problem_at(value)
+        return OF_DEAD[self._stands(problem)]
+
+    def _stands(self, problem: Problem) -> bool | None:
+        """Return whether the dead loads are carried alone; None if that is not proven."""
         if not problem.dead_loads:
-            return _OF_DEAD[True]
+            return True
         given = {name: self.given[name] for name in ("backend", "options") if name in self.given}
         try:
-            return _OF_DEAD[stable(problem.with_loads(problem.dead_loads), **given).stands]
+            return stable(problem.with_loads(problem.dead_loads), **given).stands
         except NoPowerError:  # Supports take these, too.
-            return _OF_DEAD[True]
+            return True
 
     def _note(self, value: float, found: LoadFactorRecord, kept: bool) -> None:
         self.rows[value] = {

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.analyses.along import PROBLEM_AT, Along, read_range
+from lacore.analyses.along import OF_DEAD, PROBLEM_AT, Along, read_range
 from lacore.analyses.critical import Critical, crossing
 from lacore.analyses.stable import require_dead_loads
 from lacore.assembly.discretisation import Discretisation
@@ -66,7 +66,7 @@ def limit_thickness(
     low, high = read_range(within)
     given = {"backend": backend, "coupling": "associated", "options": options}
     along = Along(problem_at, given, on_value=on_value)
-    along.assembled = _opened
+    along.assembled, along.by_dead = _opened, OF_DEAD
     touching = _touching(along.discretised(low))
     if not touching:
         along.assembled = _by_itself

@@ -58,19 +58,6 @@ SAME_PLACE: Final[float] = 1e-9
 MISSING: Final[float] = 2.0
 """Factor of that distance for segments, which have two ends."""
 
-SHIFT: Final[float] = 1e-11
-"""Share of the diagonal, or of rows of length 1, that makes a factorisation possible.
-
-Multipliers of redundant rows, such as tractions at a vertex whose facets are in line, have no
-stiffness. Refinement removes the effect of the shift.
-"""
-
-REFINEMENTS: Final[int] = 5
-"""Iterative refinements of a projection."""
-
-FINISHED: Final[float] = 0.5
-"""Residual per last one; a refinement that leaves more has reached round-off."""
-
 PENETRATION: Final[float] = 1e-13
 """Penetration per largest speed that counts as zero."""
 
@@ -79,19 +66,6 @@ PROJECTIONS: Final[int] = 4
 
 CLOSE_CONTACT: Final[float] = 1e-6
 """Opening per largest speed that the projection could close."""
-
-STIFF_LOAD: Final[float] = 1e6
-"""Stiffness of the load factor in a projection.
-
-It is far above that of a body against its load, of order one, and far below that of a mode without
-stiffness, 1 / SHIFT.
-"""
-
-NO_STIFFNESS: Final[float] = 1e-30
-"""Stiffness per largest one, below which no stress acts on an unknown.
-
-An example is a smooth footing that moves along its face. It is far below the shift.
-"""
 
 BUBBLE_REFINEMENTS: Final[int] = 8
 """Iterative refinements of quadratic stresses."""

@@ -40,7 +40,7 @@ from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Facts, Picture, counted
 from lacore.reporting.status import Reported, Rigor, Status
-from lacore.reporting.text import PYTHON, Quantity
+from lacore.reporting.text import PYTHON, Quantity, number
 from lacore.solvers.backend import (
     Prepare,
     check_capable,
@@ -134,7 +134,7 @@ class LowerBound(Reported):
         lent = any(own.kind is Kind.LENT_COHESION for own in self.findings)
         lent &= self.rigor is Rigor.LOWER
         rigor = "strict lower bound with a lent cohesion" if lent else self.rigor.value
-        return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {rigor}", told)
+        return Facts(f"LowerBound: load factor {number(self.load_factor, '.7g')}, {rigor}", told)
 
     def picture(self) -> Picture:
         """Return the stresses of continua, or the problem if there are none."""

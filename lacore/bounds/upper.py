@@ -52,7 +52,7 @@ from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Facts, Picture
 from lacore.reporting.status import Reported, Rigor, Status
-from lacore.reporting.text import PYTHON, text
+from lacore.reporting.text import PYTHON, number, text
 from lacore.solvers.inner.preparing import preparer_named
 from lacore.solvers.inner.rigid_motions import motions_without_strain
 
@@ -116,7 +116,8 @@ class UpperBound(Reported):
             f" after {self.state.build_time:.3g} s of assembly",
             "size": self.discretisation.contents,
         }
-        return Facts(f"UpperBound: load factor {self.load_factor:.7g}, {self.rigor.value}", told)
+        size = number(self.load_factor, ".7g")
+        return Facts(f"UpperBound: load factor {size}, {self.rigor.value}", told)
 
     def picture(self) -> Picture:
         """Return the picture of the solve."""
@@ -235,10 +236,10 @@ def _without_noise(
     """
     fastest = np.abs(velocity).max()
     still = np.zeros(len(program.groups), dtype=bool)
-    for number, group in enumerate(program.groups):
+    for at, group in enumerate(program.groups):
         most = np.linalg.norm(group.cone_vectors(velocity), axis=1).max(initial=0.0)
         term = np.abs(group.rows.data).max(initial=0.0) * fastest
-        still[number] = most <= RIGID_STRAIN * term
+        still[at] = most <= RIGID_STRAIN * term
     resting = [group for group, rests in zip(program.groups, still, strict=True) if rests]
     strained = [group for group, rests in zip(program.groups, still, strict=True) if not rests]
     if not any(group.weights.size for group in resting):

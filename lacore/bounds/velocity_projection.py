@@ -10,15 +10,13 @@ from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
 from lacore.bounds.constants import (
     CLOSE_CONTACT,
-    FINISHED,
     PENETRATION,
     PROJECTIONS,
-    REFINEMENTS,
-    SHIFT,
 )
 from lacore.numerics.arrays import Bools, Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore.numerics.symmetric import factorised
+from lacore.program.constants import FINISHED, REFINEMENTS, SHIFT
 from lacore.program.kinematic import KinematicProgram
 
 

@@ -17,6 +17,9 @@ SOME_LOAD: Final[float] = 1e-3
 RAY_ROUND_OFF: Final[float] = 1e-12
 """Residual per largest force on a part: sums of a thousand terms in double precision."""
 
+RAY_TOLERANCE: Final[float] = 1e-6
+"""Residual of reactions that a projection onto equilibrium can still make exact."""
+
 CARRYING: Final[float] = 1e-9
 """Multiplier per largest one; smaller ones are within the tolerance of the linear program."""
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.coupling.claims.dead_loads import DeadLoadProof, prove_dead_loads
+from lacore.coupling.claims.locking_ray import locking_ray
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit import cells
 from lacore.limit.constants import SAME_LOAD_FACTOR
@@ -219,26 +220,7 @@ def _carried_ends(
             worst = np.max([seen.equilibrium, seen.yield_violation, seen.cone])
             if max(worst, span_excess(discretisation, point)) <= tolerance:
                 ends.append(point.load_factor)
-        elif answer.status is Status.LOCKED and _endless(program, laws, sign, prepare, tolerance):
-            ends.append(sign * np.inf)
+        elif answer.status is Status.LOCKED:
+            ray = locking_ray(driven, laws)
+            ends += [sign * np.inf] if ray is not None and ray.proves else []
     return ends if any(np.isfinite(end) for end in ends) else []
-
-
-def _endless(
-    program: KinematicProgram,
-    laws: FrozenContact,
-    sign: float,
-    prepare: Prepare,
-    tolerance: float,
-) -> bool:
-    """Whether reactions carry the reference load alone, without using any strength."""
-    rows = program.contact
-    unlimited = np.isinf(laws.bound)
-    bare = replace(
-        program,
-        groups=tuple(group.times(0.0) for group in program.groups),
-        contact=replace(rows, limit=np.where(np.isinf(rows.limit), rows.limit, 0.0)),
-        dead_load=sign * program.reference_load,
-    )
-    cones = replace(laws, bound=np.where(unlimited, laws.bound, 0.0))
-    return prove_dead_loads(bare, cones, prepare, tolerance).equilibrium is not None

@@ -36,7 +36,7 @@ from lacore.reporting.errors import typed
 from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Facts, Picture, counted
 from lacore.reporting.status import Reported, Rigor, Status
-from lacore.reporting.text import PYTHON
+from lacore.reporting.text import PYTHON, number
 from lacore.solvers.compilation import started
 
 if TYPE_CHECKING:
@@ -319,7 +319,8 @@ class LimitState(Reported):
         told |= started(self.compile_time)
         told["size"] = self.discretisation.contents
         claim = self.discretisation.claim(self.rigor)
-        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {claim.text}", told)
+        size = number(self.load_factor, ".7g")
+        return Facts(f"LimitState: load factor {size}, {claim.text}", told)
 
     def picture(self) -> Picture:
         """The mechanism, or where there is none the problem."""
@@ -331,7 +332,7 @@ class LimitState(Reported):
         """Return the load factor, what it proves, its largest residual and the message."""
         named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
         claim = self.discretisation.claim(self.rigor)
-        lines = [f"load factor {self.load_factor:.6g} ({claim}; {named})"]
+        lines = [f"load factor {number(self.load_factor, '.6g')} ({claim}; {named})"]
         if self.certificate is not None:
             residual, size = self.certificate.worst
             lines.append(f"largest residual {size:.1e} ({residual})")

@@ -15,7 +15,7 @@ from typing import Any
 
 from lacore.reporting import terms
 from lacore.reporting.kinds import FILES, Kind
-from lacore.reporting.text import PYTHON, Quantity, Reader, Term, Text, render
+from lacore.reporting.text import PYTHON, Quantity, Reader, Term, Text, number, render
 
 _SHOWN = 400  # characters of a text in `repr`
 
@@ -136,7 +136,7 @@ class _Filling(Formatter):
             return render(value, self._reader)
         if hasattr(value, "text_for"):
             return str(value.text_for(self._reader))
-        return str(super().format_field(value, format_spec))
+        return number(value, format_spec)
 
 
 def texts(

@@ -108,6 +108,10 @@ class Kind(Enum):
         "the solver calls the load locked, and no reactions carry it alone: the closest leave"
         " {residual:.1e} of the forces"
     )
+    LOCKED_UNKNOWN = (
+        "the solver calls the load locked, and no program found reactions that carry it alone: take"
+        " another backend, or a coarser mesh"
+    )
     LOCKED_REFUTED = (
         "the solver calls the load locked, but the program is feasible: backend {backend!r} finds"
         " an admissible mechanism with F0.U = 1 (penetration {penetration:.1e}, divergence"

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from math import isnan
+from typing import Any, Protocol
 
 from lacore.reporting.units import Units
+
+
+def number(value: Any, form: str = "") -> str:
+    """Return a value in a format: the only place where numbers of sentences are written.
+
+    NaN is never printed: it stands for a number that is not known.
+    """
+    return "unknown" if isinstance(value, float) and isnan(value) else format(value, form)
 
 
 @dataclass(frozen=True)
@@ -54,12 +63,12 @@ class Quantity:
         if isinstance(own, str):
             return own
         # Rounded in SI first, so that all readers see the same digits.
-        number = f"{own:{self.form}}"
-        if not in_si:
-            number = f"{float(number) / size:.7g}"
+        shown = number(own, self.form)
+        if not (in_si or isnan(own)):
+            shown = f"{float(shown) / size:.7g}"
         elif isinstance(own, int):
-            number = str(own)
-        return f"${typeset(number)}$" if mathtext and "e" in number else number
+            shown = str(own)
+        return f"${typeset(shown)}$" if mathtext and "e" in shown else shown
 
     def text_for(self, reader: Reader) -> str:
         """Return the numbers in the units of a reader."""

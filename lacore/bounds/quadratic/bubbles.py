@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, eye_array, vstack
 
-from lacore.bounds.constants import BUBBLE_REFINEMENTS, CHEAP_MEAN, FINISHED, NO_LINEAR_PART, SHIFT
+from lacore.bounds.constants import BUBBLE_REFINEMENTS, CHEAP_MEAN, NO_LINEAR_PART
 from lacore.bounds.equilibrium import element_geometry
 from lacore.bounds.precision import exactness
 from lacore.model.bodies.continuum.body import Body

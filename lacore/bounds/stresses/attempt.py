@@ -9,10 +9,10 @@ import numpy as np
 
 from lacore.bounds.constants import EXCESS_REMOVED, LOSS_PER_GAP, SCALING_LOSS
 from lacore.bounds.stresses.admissible import lacking, scaled, within_friction
-from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import within_strength
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import KinematicProgram, associated_contact
+from lacore.program.projection import alike, by_area, onto_equilibrium
 from lacore.program.state import ProgramState
 from lacore.solvers.backend import InnerSolution
 

@@ -12,9 +12,9 @@ from math import sqrt
 import numpy as np
 
 from lacore.bounds.constants import HOPELESS, SCALING_STEPS
-from lacore.bounds.stresses.projection import Balancing
 from lacore.numerics.arrays import Floats
 from lacore.program.kinematic import KinematicProgram
+from lacore.program.projection import Balancing
 from lacore.program.state import ProgramState
 
 

@@ -2,8 +2,6 @@
 
 from contextlib import closing
 
-import numpy as np
-
 from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.coupling.claims.locking_ray import LockingRay, locking_ray
 from lacore.program.certificate import Certificate
@@ -59,8 +57,10 @@ def prove_claim(
         return status, None, ray
     if refuted := _mechanism(program.at_friction(0.0), kinematic_contact, tolerance):
         return Status.NOT_CERTIFIED, refuted, None
-    values = {"residual": np.nan if ray is None else ray.residual}
-    why = Finding(Kind.LOCKED_NOT_PROVEN, values=values, severity=Severity.REASON)
+    kind, values = Kind.LOCKED_UNKNOWN, dict[str, float]()
+    if ray is not None:
+        kind, values = Kind.LOCKED_NOT_PROVEN, {"residual": ray.residual}
+    why = Finding(kind, values=values, severity=Severity.REASON)
     return Status.NOT_CERTIFIED, why, None
 
 

@@ -12,12 +12,12 @@ from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_corners import _free, _resisted
 from lacore.bounds.stresses.admissible import lacking, margins, scaled, weaker, within_friction
-from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
 from lacore.bounds.upper import plastic_power
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.program.certificate import certify
 from lacore.program.kinematic import associated_contact
+from lacore.program.projection import alike, by_area, onto_equilibrium
 from lacore.program.state import out_of_balance
 from lacore.solvers.inner.preparing import preparer_named
 from tests.lacore.models import CRITERION, square

@@ -10,10 +10,10 @@ import lacore as la
 from lacore.bounds.static_model import static_model
 from lacore.bounds.stresses.admissible import weaker
 from lacore.bounds.stresses.attempt import attempt
-from lacore.bounds.stresses.projection import alike, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
 from lacore.model.meshes.refinement import bisected
 from lacore.program.kinematic import associated_contact, dimensionless
+from lacore.program.projection import alike, onto_equilibrium
 from lacore.program.state import out_of_balance
 from lacore.solvers.backend import find_backend
 

@@ -3,6 +3,7 @@
 import json
 from string import Formatter
 
+import numpy as np
 import pytest
 
 from lacore.reporting import terms
@@ -52,6 +53,16 @@ def test_a_finding_is_rendered_in_the_names_of_its_reader():
 )
 def test_tuples_are_written_as_lists(value, written):
     assert fill("{names!r}", {"names": value}) == written
+
+
+@pytest.mark.parametrize("unknown", [float("nan"), np.float64("nan")])
+@pytest.mark.parametrize("reader", [PYTHON, IN_CM])
+def test_no_sentence_contains_nan(unknown, reader):
+    """As a number, as a quantity, and in a tuple of them."""
+    length = Quantity((unknown, 1.0), "m", ".3g")
+    told = fill("{a:.1e}, {b}, {c:.2g}", {"a": unknown, "b": length, "c": (unknown, 2.0)}, reader)
+    assert "nan" not in told
+    assert told.count("unknown") == 3
 
 
 def test_texts_and_terms_keep_their_parts():

@@ -81,7 +81,7 @@ def test_what_is_said_is_true():
     ):
         assert part in text
     unsafe = la.solve(shown.unsafe())
-    assert "load factor nan, not certified" in repr(unsafe)
+    assert "load factor unknown, not certified" in repr(unsafe)
     assert "unsafe: no load factor keeps equilibrium" in repr(unsafe)
 
 

@@ -13,9 +13,9 @@ from lacore.coupling.claims import dead_collapse as collapses
 from lacore.coupling.claims import locking_ray as rays
 from lacore.coupling.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.coupling.claims.dead_loads import _mechanism_residual, prove_dead_loads
-from lacore.coupling.claims.locking_ray import LockingRay, _directions, _judged, _ways, locking_ray
+from lacore.coupling.claims.locking_ray import LockingRay, _judged, locking_ray
 from lacore.program.free_motion import without_dissipation
-from lacore.program.kinematic import FrozenContact, associated_contact, reaction_contact
+from lacore.program.kinematic import associated_contact, reaction_contact
 from lacore.program.state import out_of_balance
 from lacore.reporting.status import Status
 from lacore.solvers.backend import InnerSolution
@@ -311,17 +311,6 @@ def test_without_a_weight_what_rubs_at_all_resists(reaction, free):
     assert without_dissipation(program, pressed, contact, TOLERANCE) == free
 
 
-@pytest.mark.parametrize(("dimension", "angle"), [(2, 11.25), (3, 27.5)])
-def test_directions_of_slip_are_all_around(dimension, angle):
-    """Some direction is within an angle, degrees, of any, and all of them are unit vectors."""
-    found = _directions(dimension)
-    assert np.linalg.norm(found, axis=1) == pytest.approx(1.0)
-    drawn = np.random.default_rng(0).normal(size=(2000, dimension))
-    drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
-    nearest = (drawn @ found.T).max(axis=1)
-    assert nearest.min() >= np.cos(np.radians(angle + 1e-6))
-
-
 def test_a_collapse_by_lines_needs_no_cones():
     """Of rigid blocks a linear program finds the mechanism where the solver has no answer."""
 
@@ -386,19 +375,12 @@ def test_a_locking_ray_is_out_of_balance_by_a_share_of_all_forces_on_the_part(mo
     program, contact = frozen(on_incline(0.0, la.Tresca(1.0)))
     carried = rays._carried
     monkeypatch.setattr(rays, "_carried", lambda *given: (1 + 1e-9) * carried(*given))
-    found, rows, load = locking_ray(program, contact), program.contact, program.reference_load
+    found, rows = rays._from_edges(program, contact), program.contact
+    load = program.reference_load
     pressed = rows.weights * found.point.normal_reaction
     forces = np.abs(load) + abs(rows.normal).T @ pressed
     assert found.residual == pytest.approx(1e-9 * np.abs(load).max() / forces.sum(), rel=1e-6)
     assert not found.proves
-
-
-def test_directions_of_slip_are_unit_vectors_where_slip_dilates():
-    """Both along a line; in space all around, and none where nothing dilates."""
-    none, some = FrozenContact(*np.zeros((3, 2))), FrozenContact(*np.full((3, 2), 0.1))
-    assert _ways(none, 1).tolist() == [[1.0], [-1.0]]
-    assert _ways(some, 2).tolist() == _directions(2).tolist()
-    assert _ways(none, 2).tolist() == [[0.0, 0.0]]
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
@@ -536,6 +518,6 @@ def test_what_a_linear_program_leaves_is_carried_up_to_round_off(monkeypatch):
         return found * (1 + 1e-7 * np.cos(np.arange(found.size)))
 
     monkeypatch.setattr(rays, "least", inexact)
-    ray = locking_ray(program, contact)
+    ray = rays._from_edges(program, contact)
     assert ray.residual <= 1e-14
     assert ray.proves

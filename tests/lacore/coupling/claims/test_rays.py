@@ -191,7 +191,14 @@ def test_nothing_that_is_nan_proves_anything():
 
 def test_a_ray_of_nan_leaves_a_claim_unproven(monkeypatch):
     carried = locking_ray._carried
+    prove = locking_ray.prove_dead_loads
+
+    def of_nan(*given):
+        found = prove(*given)
+        return replace(found, equilibrium=found.equilibrium.scaled(np.nan))
+
     monkeypatch.setattr(locking_ray, "_carried", lambda *given: np.nan * carried(*given))
+    monkeypatch.setattr(locking_ray, "prove_dead_loads", of_nan)
     state = la.solve(in_a_box(la.MohrCoulomb(1.0, 30)))
     assert (state.status, state.ray) == (Status.NOT_CERTIFIED, None)
     by_cones = dead_collapse._by_cones

@@ -18,10 +18,10 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
-from lacore.bounds.constants import FINISHED, NO_STIFFNESS, REFINEMENTS, SHIFT, STIFF_LOAD
 from lacore.numerics.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import factorised
+from lacore.program.constants import FINISHED, NO_STIFFNESS, REFINEMENTS, SHIFT, STIFF_LOAD
 from lacore.program.kinematic import KinematicProgram
 from lacore.program.state import ProgramState, out_of_balance
 
