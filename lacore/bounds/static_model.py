@@ -167,7 +167,7 @@ def static_model(problem: Problem) -> StaticModel:
     size = float(np.abs(full.reference_load).sum())
     require_power(program.reference_load, size)
     for name, own, groups in by_body(bodies, full.groups):
-        _check_cohesion(name, own, full.dead_load)
+        require_cohesion(name, own.body, full.dead_load)
         _check_left(name, own, groups)
     extent = sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())
     length = cbrt(extent) if solid else sqrt(extent)
@@ -263,15 +263,15 @@ def _continua(problem: Problem) -> dict[str, Body]:
     return bodies
 
 
-def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None:
+def require_cohesion(name: str, body: Body, dead_load: Floats) -> None:
     """Raise `InputError` for soils without cohesion, as floating point could not prove a bound."""
-    for region in strengthless(dofs.body):
+    for region in strengthless(body):
         raise InputError(
             named_criterion(name, region),
             region.criterion.label,
             "no cohesion or no tensile strength, without which floating-point arithmetic cannot"
             " prove a lower bound",
-            text("{}; the bound is then one of that material", lend(dofs.body, dead_load)),
+            text("{}; the bound is then one of that material", lend(body, dead_load)),
         )
 
 

@@ -205,6 +205,9 @@ def solve(
             click.echo(f"  {name:<{_NAME}}{text}")
         if page is not None:
             click.echo(f"  {'report':<{_NAME}}{page}")
+    if answer.refused is not None:
+        with stated.locating():
+            raise answer.refused
     if unwritten is not None:
         raise unwritten
     ctx.exit(0 if answer.good else 1)

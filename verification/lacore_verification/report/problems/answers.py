@@ -29,12 +29,14 @@ class ProblemResults:
         results: Results of analyses by their name in `ANALYSES`; a text states why there is none.
         seconds: Time of all of them.
         advice: Advice on larger domains; see `lacore.advice`.
+        refused: Invalid input of an analysis that was requested, found after the first solve.
     """
 
     state: la.LimitState
     results: Mapping[str, Any]
     seconds: float
     advice: tuple[Finding, ...] = ()
+    refused: InputError | None = None
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -153,10 +155,13 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> ProblemR
             "regularised backends prove no range and no factor of safety",
             "use 'clarabel'",
         )
+    for name in question.analyses:
+        ANALYSES[name].require(problem)
     with doing("solving"):
         state = la.solve(problem, question.backend, question.coupling)
         advice = la.advice(state)
     results: dict[str, Any] = {}
+    refused: InputError | None = None
     for name, own in ANALYSES.items():
         if own.automatic is None:
             if name not in question.analyses:
@@ -167,10 +172,9 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> ProblemR
             try:
                 results[name] = own.ask(Given(state, question, tell))
             except InputError as error:  # The load factor remains a valid result.
-                if own.binding:
-                    raise
+                refused = error if own.binding and refused is None else refused
                 results[name] = text("no result: {}", error.text)
-    return ProblemResults(state, results, time.perf_counter() - begin, advice)
+    return ProblemResults(state, results, time.perf_counter() - begin, advice, refused)
 
 
 def _check_bracket(width: float | None) -> None:

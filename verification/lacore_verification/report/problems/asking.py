@@ -83,7 +83,8 @@ class Analysis:
         document: Returns the numbers of the result.
         good: Whether the result is certified.
         automatic: Whether it is made of a state without being requested; None: only on request.
-        binding: Whether invalid input ends the command, and the load factor is not reported.
+        require: Raises `InputError` for problems that it rejects, before the first solve.
+        binding: Whether invalid input ends the command, after the other results are printed.
         exact: Whether it needs an exact backend.
         title: Title of its section; empty: no section.
         caption: Caption of its picture; empty: no picture.
@@ -105,6 +106,7 @@ class Analysis:
     document: Callable[[Any, Units], dict[str, Any]]
     good: Callable[[Any], bool] = lambda found: True
     automatic: Callable[[la.LimitState], bool] | None = None
+    require: Callable[[la.Problem], None] = lambda problem: None
     binding: bool = False
     exact: bool = False
     title: str = ""

@@ -7,6 +7,7 @@ from typing import Any
 
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
+from lacore.bounds.static_model import require_cohesion
 from lacore.reporting import views
 from lacore.reporting.findings import texts
 from lacore.reporting.showing import counted
@@ -106,6 +107,19 @@ def _dead_loads_said(found: DeadLoads, units: Units) -> str:
     return own.proven if found.brief else own.text_for(Reader(units, files=True))
 
 
+def _require_cohesion(problem: la.Problem) -> None:
+    """Raise `InputError` for bodies of which no lower bound can be proven."""
+    assembled = la.discretise(problem)
+    for name, own in assembled.continua.items():
+        require_cohesion(name, own.body, assembled.full.dead_load)
+
+
+def _require_safety(problem: la.Problem) -> None:
+    """Raise `InputError` for problems whose factor of safety would follow from such a bound."""
+    if not has_coulomb(problem) and not _is_soil(problem):
+        _require_cohesion(problem)
+
+
 BOUNDING: Mapping[str, Analysis] = {
     "interval": Analysis(
         doing="computing at which load factors the mechanism is possible",
@@ -119,6 +133,7 @@ BOUNDING: Mapping[str, Analysis] = {
         title="Lower and upper bound",
         doing="computing bounds",
         ask=_bracket,
+        require=_require_cohesion,
         binding=True,
         good=lambda found: found.width <= found.target_width,
         said=lambda found, units: found.heading,
@@ -146,6 +161,7 @@ BOUNDING: Mapping[str, Analysis] = {
         title="Factor of safety",
         doing="computing the factor of safety",
         ask=_safety,
+        require=_require_safety,
         binding=True,
         exact=True,
         good=lambda found: not isnan(found.width),
@@ -200,5 +216,5 @@ AFTER: Mapping[str, Analysis] = {
 
 def proven_bracket(results: Mapping[str, Any]) -> la.Bracket | None:
     """Return the bracket among the results of analyses, if both of its bounds are proven."""
-    found: la.Bracket | None = results.get("bracket")
-    return found if found is not None and 0 <= found.width < inf else None
+    found = results.get("bracket")  # a text if there is none
+    return found if isinstance(found, la.Bracket) and 0 <= found.width < inf else None
