@@ -20,6 +20,7 @@ from lacore.model.bodies.continuum.dofs import BodyDofs
 from lacore.model.bodies.continuum.regions.region import Region
 from lacore.numerics.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SuperLU
+from lacore.program.constants import FINISHED, SHIFT
 from lacore.reporting.errors import InputError
 from lacore.reporting.showing import Compact
 
