@@ -187,13 +187,14 @@ def load_cases(
     table = pd.DataFrame(rows, columns=_COLUMNS)
     known = table[_known(table)]
     by = known["load_factor"].fillna(known["upper"])
+    lent = any(isinstance(own, Bracket) and own.lent for own in results.values())
     governing = str(known["case"].iloc[int(np.argmin(by))]) if len(known) else ""
     table["governs"] = table["case"] == governing
     return LoadCases(
         table=table,
         results=results,
         governing=governing,
-        sure=bool(governing) and _sure(table),
+        sure=bool(governing) and not lent and _sure(table),
         solve_time=time.perf_counter() - begin,
     )
 
@@ -239,7 +240,7 @@ def _of_bracket(name: str, found: Bracket) -> dict[str, Any]:
     # elements alone.
     if above.status in (Status.UNSAFE, Status.FREE):
         status, load_factor, (lower, upper) = above.status.label, proven_value(above), proven(above)
-    elif below.status is Status.LOCKED:
+    elif below.status is Status.LOCKED and not found.lent:
         status, load_factor, lower = below.status.label, np.inf, np.inf
     return {
         "case": name,

@@ -86,7 +86,8 @@ STRENGTH_MARGIN: Final[float] = 1e-7
 """Least margin of all strengths, tried in turn if a state cannot be scaled.
 
 The change by the projection is measured up to 2e-8. The margin is also at least four times the
-tolerance of the backend.
+tolerance of the backend. Both are by the largest stress, and margins are by the least strength,
+which is far smaller in sand with a lent cohesion.
 """
 
 WIDER_MARGINS: Final[tuple[float, ...]] = (1.0, 100.0, 10_000.0)

@@ -5,7 +5,7 @@ pressure. With lent strength the body carries more: upper bounds remain bounds o
 stated, and lower bounds are bounds of the body with the lent strength.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import singledispatch
 from typing import TypeVar
@@ -15,7 +15,10 @@ import numpy as np
 from lacore.bounds.enclosing import named_criterion
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body
+from lacore.model.bodies.continuum.body_forces import largest
 from lacore.model.bodies.continuum.regions.lending import strengthless
+from lacore.model.conditions.body_forces import BodyForce
+from lacore.model.conditions.loads import Load
 from lacore.model.materials.criterion import Criterion
 from lacore.model.materials.drucker_prager import DruckerPrager
 from lacore.model.materials.mohr_coulomb import MohrCoulomb, NoTension, Rankine
@@ -24,6 +27,10 @@ from lacore.reporting.errors import InputError, require_positive
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
 from lacore.reporting.text import Quantity
+
+# Default cohesion by the weight and size of a body, and by the target width of a bracket. It raises
+# N_gamma of a rough footing at 25 degrees by a tenth of the target, and solvers converge.
+_SHARE = 3e-3
 
 _Stated = TypeVar("_Stated")
 
@@ -47,17 +54,71 @@ def with_lent_cohesion(
     if not isinstance(problem, Problem):
         why, fix = "the problem is already assembled", "give the lacore.Problem"
         raise InputError("lent_cohesion", cohesion, why, fix)
-    lent = {
-        name: replace(body, criterion=_lent_to(name, body, cohesion))
-        for name, body in of_kind(problem.bodies, Body).items()
-        if any(strengthless(body))
-    }
-    if not lent:
+    weak = list(_weak(problem))
+    if not weak:
         why, fix = "no body without cohesion or tension needs it", "leave it out"
         raise InputError("lent_cohesion", cohesion, why, fix)
-    values = {"lent": Quantity(float(cohesion), "Pa", ".4g")}
-    note = Finding(Kind.LENT_COHESION, tuple(lent), values, Severity.WARNING)
-    return replace(problem, bodies={**problem.bodies, **lent}), (note,)
+    return _lent(problem, dict.fromkeys(weak, float(cohesion)))
+
+
+def with_default_cohesion(
+    problem: Problem, target_width: float
+) -> tuple[Problem, tuple[Finding, ...]]:
+    """Return a problem with a small cohesion lent to all heavy bodies that have none.
+
+    Args:
+        problem: The problem.
+        target_width: Width of a bracket, of which the change by this cohesion is a small part.
+
+    Raises:
+        InputError: A criterion to which none can be lent.
+    """
+    weight = {name: weight_per_area(problem, name) for name in _weak(problem)}
+    share = _SHARE * target_width
+    return _lent(problem, {name: share * own for name, own in weight.items() if own > 0})
+
+
+def weight_per_area(problem: Problem, name: str) -> float:
+    """Return the largest dead body force of a body times its size, Pa."""
+    body = of_kind(problem.bodies, Body)[name]
+    return body.size * sum(
+        _per_volume(load, body) for load in problem.dead_loads if load.body == name
+    )
+
+
+@singledispatch
+def _per_volume(load: Load, body: Body) -> float:
+    """Return the size of a force per volume, N/m^3; zero for loads on boundaries."""
+    return 0.0
+
+
+@_per_volume.register(BodyForce)
+def _of_volume(load: BodyForce, body: Body) -> float:
+    return largest(load, body, "BodyForce")
+
+
+def _weak(problem: Problem) -> Iterator[str]:
+    """Yield the names of bodies with regions without strength."""
+    for name, body in of_kind(problem.bodies, Body).items():
+        if any(strengthless(body)):
+            yield name
+
+
+def _lent(problem: Problem, cohesions: Mapping[str, float]) -> tuple[Problem, tuple[Finding, ...]]:
+    """Return the problem with cohesions lent to bodies, Pa by name, and a note of each size."""
+    bodies = of_kind(problem.bodies, Body)
+    lent = {
+        name: replace(bodies[name], criterion=_lent_to(name, bodies[name], own))
+        for name, own in cohesions.items()
+    }
+    names: dict[float, tuple[str, ...]] = {}
+    for name, own in cohesions.items():
+        names[own] = (*names.get(own, ()), name)
+    notes = (
+        Finding(Kind.LENT_COHESION, some, {"lent": Quantity(own, "Pa", ".4g")}, Severity.WARNING)
+        for own, some in names.items()
+    )
+    return replace(problem, bodies={**problem.bodies, **lent}), tuple(notes)
 
 
 def _lent_to(name: str, body: Body, cohesion: float) -> Criterion | Mapping[str, Criterion]:

@@ -56,11 +56,12 @@ def continuum_range(
         return ContinuumRange(-inf, inf, (Finding(Kind.CELLS_OF_JOINTS),))
     if target_width is not None:
         found = bracket(stated.problem, target_width, backend=backend)
-        ends = _strict(found.lower_bound), _strict(found.upper_bound)
+        lower = -inf if found.lent else _strict(found.lower_bound)
+        ends = lower, _strict(found.upper_bound)
         if found.status is Ending.CROSSED:
             ends = -inf, inf  # One of them is missing.
         both = ends[0] > -inf and ends[1] < inf
-        return ContinuumRange(*ends, () if both else found.failures or (_NOT_STRICT,))
+        return ContinuumRange(*ends, () if both else found.failures or found.lent or (_NOT_STRICT,))
     lower, upper, missing = -inf, inf, list[Finding]()
     try:
         below = lower_bound(frictionless(stated.problem), backend, options=options)

@@ -131,7 +131,9 @@ class Asking:
                 stated, self.target, backend=self.backend, options=self.options, jobs=jobs
             )
             below, above, status = found.lower_bound, found.upper_bound, found.status.label
+            as_stated = not found.lent
         else:
+            as_stated = True
             below = lower_bound(stated, self.backend, options=self.options)
             above = upper_bound(stated, self.backend, options=self.options)
             ends = {below.status, above.status} - {Status.SOLVED}
@@ -139,7 +141,8 @@ class Asking:
         # The lower bound may be UNSAFE because of its elements alone.
         if above.status is Status.UNSAFE:
             raise _falling()
-        holds = below.status in (Status.SOLVED, Status.LOCKED) and not crossing(below, above)
+        holds = as_stated and below.status in (Status.SOLVED, Status.LOCKED)
+        holds = holds and not crossing(below, above)
         lower = below.load_factor if holds else np.nan
         if above.status is not Status.SOLVED or crossing(below, above):
             return lower, np.nan, status, frozenset(), None

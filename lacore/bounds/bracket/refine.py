@@ -31,7 +31,7 @@ from lacore.bounds.constants import (
     TIGHTEST_TOLERANCE,
 )
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
-from lacore.bounds.lending import with_lent_cohesion
+from lacore.bounds.lending import with_default_cohesion, with_lent_cohesion
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound
 from lacore.limit.solve import solve
@@ -94,8 +94,9 @@ def bracket(
         jobs: number of simultaneous solves in threads, at most two; None: of processors. Bounds do
             not depend on it unless the time limit is reached.
         on_step: called after each solve, for progress.
-        lent_cohesion: Pa, given to bodies without cohesion or without tension; the lower bound is
-            then one of the problem with it.
+        lent_cohesion: Pa, given to bodies without cohesion or without tension. The bracket is then
+            not strict: the lower bound is one of the problem with it. None: a share of the target
+            width, by weight, for heavy bodies.
 
     Raises:
         InputError: a target or a limit that is not positive, limits below the start, slivers, a
@@ -118,7 +119,10 @@ def bracket(
     require_count("jobs", jobs)
     require_associated_flow(of_kind(problem.bodies, Body))
     read_options(find_backend(backend), options or {})
-    problem, lent = with_lent_cohesion(problem, lent_cohesion)
+    if lent_cohesion is None:
+        problem, lent = with_default_cohesion(problem, target_width)
+    else:
+        problem, lent = with_lent_cohesion(problem, lent_cohesion)
     bodies = continua(problem)
     run = _Run(
         list(bodies),

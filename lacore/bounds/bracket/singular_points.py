@@ -1,6 +1,5 @@
 """Points with possibly unbounded strain rates, and the number of elements around them (T26b)."""
 
-from functools import singledispatch
 from math import ceil, pi, sqrt
 
 import numpy as np
@@ -8,12 +7,10 @@ from skfem import MeshTri
 
 from lacore.bounds.bracket.whole import continua, whole
 from lacore.bounds.constants import NO_COHESION, SECTORS, SECTORS_BY_FRICTION, STRAIGHT
+from lacore.bounds.lending import weight_per_area
 from lacore.model.bodies.any_body import of_kind
 from lacore.model.bodies.continuum.body import Body
-from lacore.model.bodies.continuum.body_forces import largest
 from lacore.model.bodies.continuum.boundaries import boundary_facets
-from lacore.model.conditions.body_forces import BodyForce
-from lacore.model.conditions.loads import Load
 from lacore.model.meshes.joined import Joined
 from lacore.model.meshes.refinement import facets_between
 from lacore.model.problem.problem import Problem
@@ -116,25 +113,13 @@ def friction_of(body: Body) -> float:
 def _loose(problem: Problem, name: str) -> bool:
     """Return whether a body has almost no strength along a free edge, compared with its weight."""
     body = of_kind(problem.bodies, Body)[name]
-    weight = sum(_per_volume(load, body) for load in problem.dead_loads if load.body == name)
     carried = [
         2 * float(np.min(region.seen(one.strength))) / (1 - float(np.min(one.slope[0])))
         for region in body.regions
         for one in region.form.surfaces
         if one.normed and np.all(np.less(one.slope[0], 1))
     ]
-    return min(carried, default=np.inf) < NO_COHESION * weight * body.size
-
-
-@singledispatch
-def _per_volume(load: Load, body: Body) -> float:
-    """Return the size of a force per volume, N/m^3; zero for loads on boundaries."""
-    return 0.0
-
-
-@_per_volume.register(BodyForce)
-def _of_volume(load: BodyForce, body: Body) -> float:
-    return largest(load, body.mesh, "BodyForce")
+    return min(carried, default=np.inf) < NO_COHESION * weight_per_area(problem, name)
 
 
 def _angles(mesh: MeshTri) -> Floats:

@@ -24,9 +24,15 @@ def margins(program: KinematicProgram, tolerance: float) -> list[float]:
     """Return the reductions of all strengths for a nominal tolerance; none if scaling suffices."""
     if not (np.any(program.dead_load) or np.any(program.contact.dilatancy)):
         return [0.0]
-    least = max(STRENGTH_MARGIN, 4 * tolerance)
-    shares = [min(factor * least, WIDEST_MARGIN) for factor in WIDER_MARGINS]
+    least = max(STRENGTH_MARGIN, 4 * tolerance) / min(_least_strength(program), 1.0)
+    shares = list(dict.fromkeys(min(factor * least, WIDEST_MARGIN) for factor in WIDER_MARGINS))
     return [*shares, *LENT_COHESION] if program.pressure_dependent else shares
+
+
+def _least_strength(program: KinematicProgram) -> float:
+    """Return the least strength without pressure of dimensionless surfaces; inf without any."""
+    strengths = [own.surfaces.strength for own in program.groups if own.surfaces is not None]
+    return min((float(own[own > 0].min(initial=np.inf)) for own in strengths), default=np.inf)
 
 
 def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:

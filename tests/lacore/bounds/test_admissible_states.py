@@ -116,9 +116,27 @@ def test_margins_are_taken_where_a_state_cannot_be_scaled():
     free = replace(PROGRAM, dead_load=0 * PROGRAM.dead_load)
     assert margins(free, 1e-8) == [0.0]
     assert margins(PROGRAM, 1e-8) == pytest.approx([1e-7, 1e-5, 1e-3])
-    assert margins(PROGRAM, 1e-4) == pytest.approx([4e-4, 1e-2, 1e-2])
+    assert margins(PROGRAM, 1e-4) == pytest.approx([4e-4, 1e-2])
     dilatant = replace(free, contact=replace(free.contact, dilatancy=1 + 0 * free.contact.limit))
     assert len(margins(dilatant, 1e-8)) == 3
+
+
+@pytest.mark.parametrize(("strength", "margin"), [(1e-4, 1e-3), (10.0, 1e-7)])
+def test_margins_are_by_the_least_strength(strength, margin):
+    """A change of stresses by 1e-7 is a thousandth of a strength of 1e-4."""
+    problem = replace(
+        D.problem,
+        bodies={"block": replace(square(), criterion=la.MohrCoulomb(1.0, 30.0))},
+        supports=[la.Fix("block", "bottom")],
+        interfaces=(),
+        reference_loads=[la.BodyForce("block", (1, 0))],
+        dead_loads=[la.BodyForce("block", (0, -1))],
+    )
+    program = la.discretise(problem).program
+    (group,) = program.groups
+    surfaces = replace(group.surfaces, strength=np.full_like(group.surfaces.strength, strength))
+    weak = replace(program, groups=(replace(group, surfaces=surfaces),))
+    assert margins(weak, 1e-8)[0] == pytest.approx(margin)
 
 
 def test_all_strengths_are_weaker_by_a_share():

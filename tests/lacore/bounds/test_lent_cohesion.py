@@ -3,6 +3,7 @@
 import pytest
 
 import lacore as la
+from lacore.analyses.ranges.continuum import continuum_range
 
 HEIGHT, WIDTH, CRUSHING = 2.0, 1.0, 50.0
 PUSHED = {"dead_loads": (0.0, -1.0), "reference_loads": (1.0, 0.0)}
@@ -75,3 +76,55 @@ def test_what_cohesion_cannot_be_lent_to():
     model = la.lower_bound(panel(la.Rankine(1.0, CRUSHING))).model
     with pytest.raises(la.InputError, match="already assembled"):
         la.lower_bound(model, lent_cohesion=1e-3)
+
+
+def sand_footing(cohesion=0.0, weight=1.0):
+    """Half of a smooth strip footing on sand, 2 m wide: N_gamma at a weight of 1."""
+    mesh = la.meshes.rectangle((0, 4), (-2, 0), 4, 2)
+    mesh = mesh.with_boundaries({"under": lambda x: (x[1] > -1e-9) & (x[0] < 1)})
+    return la.Problem(
+        {"sand": la.Body(mesh, la.MohrCoulomb(cohesion, 20.0))},
+        [la.RigidFooting("sand", "under", (0, -1), rough=False)],
+        supports=[la.Fix("sand", "left", "x"), la.Fix("sand", "right"), la.Fix("sand", "bottom")],
+        dead_loads=[la.BodyForce("sand", (0, -weight))],
+    )
+
+
+def test_a_bracket_lends_heavy_sand_a_share_of_its_target_width():
+    """N_gamma = 1.57863 by characteristics."""
+    found = la.bracket(sand_footing(), target_width=0.5, max_elements=400)
+    assert found.lower < 1.57863 < found.upper
+    assert found.width <= 0.5
+    assert not found.strict
+    assert found.lent
+    assert "lower bound with a lent cohesion" in found.heading
+    (finer,) = la.bracket(sand_footing(), target_width=0.25, max_elements=128).lent
+    (coarser,) = found.lent
+    assert coarser.values["lent"].numbers == pytest.approx(2 * finer.values["lent"].numbers)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_the_lent_cohesion_scales_with_the_weight(unit):
+    small, large = (
+        la.bracket(sand_footing(weight=own), target_width=0.5, max_elements=400)
+        for own in (1.0, unit)
+    )
+    assert large.lower == pytest.approx(unit * small.lower, rel=1e-3)
+    assert large.upper == pytest.approx(unit * small.upper, rel=1e-3)
+
+
+def test_a_range_of_sand_claims_no_lower_end_of_a_stronger_soil():
+    assert not la.bracket(sand_footing(1e-2), target_width=0.9, max_elements=400).lent
+    lent = continuum_range(la.discretise(sand_footing()), "clarabel", {}, 0.9)
+    own = continuum_range(la.discretise(sand_footing(1e-2)), "clarabel", {}, 0.9)
+    assert lent.lower == -float("inf")
+    assert [one.kind.name for one in lent.missing] == ["LENT_COHESION"]
+    assert 0 < own.lower < lent.upper < float("inf")
+
+
+def test_load_cases_of_sand_are_not_sure():
+    """Their lower bounds are of a stronger soil."""
+    cases = {"one": [la.RigidFooting("sand", "under", (0, -1), rough=False)]}
+    for cohesion, sure in ((0.0, False), (1e-2, True)):
+        found = la.load_cases(sand_footing(cohesion), cases, target_width=0.9)
+        assert found.sure is sure

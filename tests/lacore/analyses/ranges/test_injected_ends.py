@@ -85,7 +85,9 @@ def test_a_bracket_bounds_the_continuum_by_its_strict_sides(
     def bracketed(problem, width, *, backend):
         asked.append((width, backend))
         below, above = bound(LowerBound, 1.0, lower), bound(UpperBound, 2.0, upper)
-        return SimpleNamespace(lower_bound=below, upper_bound=above, status=ending, failures=())
+        return SimpleNamespace(
+            lower_bound=below, upper_bound=above, status=ending, failures=(), lent=()
+        )
 
     monkeypatch.setattr(continuum, "bracket", bracketed)
     found = continuum_range(la.discretise(deformable_block(0.3)), "clarabel", {}, 0.1)
@@ -99,7 +101,7 @@ def test_a_bracket_tells_why_it_has_one_side_alone(monkeypatch):
     below, above = bound(LowerBound, 1.0, Rigor.DISCRETE), bound(UpperBound, 2.0, Rigor.UPPER)
     for failures in ((), (Finding(Kind.STEP_OF_PATH),)):
         found = SimpleNamespace(
-            lower_bound=below, upper_bound=above, status=None, failures=failures
+            lower_bound=below, upper_bound=above, status=None, failures=failures, lent=()
         )
         monkeypatch.setattr(continuum, "bracket", lambda *given, own=found, **more: own)
         missing = continuum_range(la.discretise(deformable_block(0.3)), "clarabel", {}, 0.1).missing
