@@ -284,7 +284,7 @@ def _bound(
         findings: tuple[Finding, ...] = (reached,) if reached else ()
     else:
         leaks = {"leak": float(leak), "penetration": float(penetration)}
-        why = corners or _impossible(discretisation.full, pressed, velocity)
+        why = corners or _impossible(discretisation, pressed, velocity)
         why = why or Finding(Kind.VELOCITY_NOT_ADMISSIBLE, (), leaks, Severity.REASON)
         findings = (why, Finding(Kind.SOLVE, values={"report": state.report}))
     return UpperBound(
@@ -342,10 +342,10 @@ def _load_factor(
 
 
 def _impossible(
-    program: KinematicProgram, pressed: Sequence[DissipationGroup], velocity: Floats
+    stated: Discretisation, pressed: Sequence[DissipationGroup], velocity: Floats
 ) -> Finding | None:
     """Return the soil whose flow is inadmissible, and by how much; None if there is none."""
-    fastest = max(np.abs(g.cone_vectors(velocity)).max(initial=0.0) for g in program.groups)
+    fastest = max(np.abs(g.cone_vectors(velocity)).max(initial=0.0) for g in stated.full.groups)
     most = {group.name: group.impossible(velocity).max(initial=0.0) for group in pressed}
     beyond = {name: float(size / fastest) for name, size in most.items() if not size <= 0}
     if not beyond:
@@ -353,19 +353,20 @@ def _impossible(
     regions = tuple(
         Finding(Kind.REGION_BEYOND, (name,), {"size": size}) for name, size in beyond.items()
     )
-    values = {"regions": regions}
+    jumps = any(dofs.space.jumps for dofs in stated.continua.values())
+    advice = ", or take 'p2-vertex', whose velocities do not jump" if jumps else ""
+    values = {"regions": regions, "space": advice}
     return Finding(Kind.FLOW_NOT_POSSIBLE, tuple(beyond), values, Severity.REASON)
 
 
 def _unbounded(state: LimitState) -> UpperBound:
-    nothing = np.full(state.discretisation.full.n, np.nan)
     return UpperBound(
         status=state.status,
         load_factor=state.load_factor,
         rigor=Rigor.NOT_CERTIFIED,
         divergence=np.nan,
         penetration=np.nan,
-        velocity=nothing,
+        velocity=np.full(state.discretisation.full.n, np.nan),
         dissipation={},
         state=state,
         findings=state.findings,

@@ -167,8 +167,7 @@ class Kind(Enum):
     )
     FLOW_NOT_POSSIBLE = (
         "soil dilates too little for its friction, {regions} of the largest strain rate: its"
-        " supports hardly let it move; move supports farther away, refine the mesh, or take"
-        " 'p2-vertex', whose velocities do not jump"
+        " supports hardly let it move; move supports farther away, or refine the mesh{space}"
     )
     REGION_BEYOND = "{where!r} by {size:.1e}"
     BOUNDS_PROVEN = "both bounds are proven"

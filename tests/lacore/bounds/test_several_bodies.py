@@ -160,7 +160,8 @@ def test_soil_that_moves_may_be_rigid_in_velocities_that_prove():
     assert upper.load_factor == pytest.approx(0.9 / 0.3, rel=1e-6)
 
 
-def test_bounds_that_are_not_proven_say_why(monkeypatch):
+@pytest.mark.parametrize("space", ["p2-vertex", "p2-disc"])
+def test_bounds_that_are_not_proven_say_why(monkeypatch, space):
     """Left as the solver found it soil flows a little as it cannot: 1e-9 of the largest rate."""
     monkeypatch.setattr(
         "lacore.bounds.upper.possible_velocity",
@@ -168,10 +169,11 @@ def test_bounds_that_are_not_proven_say_why(monkeypatch):
     )
     problem = layers(below=(11, 3))
     soil = {
-        name: replace(own, criterion=la.MohrCoulomb(1.0, 20.0))
+        name: replace(own, criterion=la.MohrCoulomb(1.0, 20.0), space=space)
         for name, own in problem.bodies.items()
     }
     upper = la.upper_bound(replace(problem, bodies=soil))
+    assert ("take 'p2-vertex'" in upper.message) == (space != "p2-vertex")
     assert upper.status is la.Status.NOT_CERTIFIED
     assert upper.state.status is la.Status.SOLVED
     assert upper.findings[0].kind is Kind.FLOW_NOT_POSSIBLE
