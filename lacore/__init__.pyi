@@ -39,6 +39,7 @@ from .coupling.interval import Interval as Interval
 from .files.problem.reading import read_problem as read_problem
 from .files.problem.writing import write_problem as write_problem
 from .limit.advice import advice as advice
+from .limit.carried import CarriedLoads as CarriedLoads
 from .limit.solve import solve as solve
 from .limit.stability import Stability as Stability
 from .limit.state import LimitState as LimitState
@@ -109,6 +110,7 @@ from .reporting.errors import InputError as InputError
 from .reporting.errors import LacoreError as LacoreError
 from .reporting.errors import SolveError as SolveError
 from .reporting.status import Rigor as Rigor
+from .reporting.status import Role as Role
 from .reporting.status import Standing as Standing
 from .reporting.status import Status as Status
 from .solvers.isolation import SolverProcess as SolverProcess

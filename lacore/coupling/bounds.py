@@ -42,21 +42,36 @@ def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: floa
     return inner.point.load_factor - power - _gap(program, inner.point, contact)
 
 
-def upper_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:
-    """Return the bound of the velocity of an associated solve; inf if it proves none.
+def upper_bound(
+    program: KinematicProgram,
+    inner: InnerSolution,
+    tolerance: float,
+    contact: FrozenContact | None = None,
+) -> float:
+    """Return the bound of the velocity of a solve; inf if it proves none.
 
     The power of the reactions of the solve on the penetration is added.
+
+    Args:
+        program: Program of the solve.
+        inner: Its answer.
+        tolerance: Tolerance for the residuals of the velocity.
+        contact: Contact of the solve; None for associated contact.
     """
-    rows, contact = program.contact, associated_contact(program.contact)
+    rows, contact = program.contact, contact or associated_contact(program.contact)
     if inner.point is None:
         return np.inf
     seen = Certificate.of(program, inner.point, contact)
     if not all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
         return np.inf
     u = inner.point.velocity
-    inward = contact.dilatancy * np.linalg.norm(rows.slip(u), axis=1) - rows.opening(u)
-    pressed = float(rows.weights @ np.maximum(inner.point.normal_reaction, 0.0))
-    power = pressed * float(inward.max(initial=0.0))
+    opening, slip = rows.opening(u), np.linalg.norm(rows.slip(u), axis=1)
+    sticks = np.isinf(contact.bound)
+    inward = np.where(sticks, np.maximum(slip, -opening), contact.dilatancy * slip - opening)
+    pressed = np.maximum(inner.point.normal_reaction, 0.0)
+    held = np.linalg.norm(inner.point.tangential_reaction[sticks], axis=1)
+    total = float(rows.weights @ pressed) + float(rows.weights[sticks] @ held)
+    power = total * float(inward.max(initial=0.0))
     value = kinematic_load_factor(program, inner.point, contact)
     return value + power + _gap(program, inner.point, contact)
 

@@ -20,7 +20,7 @@ from lacore.solvers.inner.preparing import preparer_named
 
 def interval_of_state(
     discretisation: Discretisation,
-    point: ProgramState,
+    point: ProgramState | None,
     backend: str,
     options: Mapping[str, Any],
     tolerance: float,
@@ -30,9 +30,16 @@ def interval_of_state(
     Its ends are not certified if the state is not a Coulomb state (regularised, associated).
 
     Raises:
-        InputError: The state belongs to a step of a path, which has a given speed, or a soil has
-            non-associated flow.
+        InputError: There is no mechanism, the state belongs to a step of a path, which has a given
+            speed, or a soil has non-associated flow.
     """
+    if point is None:
+        raise InputError(
+            "LimitState.interval",
+            None,
+            "the state has no mechanism, whose load factors these are",
+            "ask for the interval of a state with the status SOLVED",
+        )
     require_homogeneous(
         discretisation.program,
         "LimitState.interval",

@@ -12,6 +12,7 @@ from lacore.coupling.claims.proving import Ray
 from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.run import Coupled
 from lacore.limit import cells
+from lacore.limit.carried import CarriedLoads
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
@@ -73,6 +74,7 @@ class Outcome(Compact):
         certificate: Its residuals.
         findings: Reasons of the loop, or of the proof of its claim.
         ray: Proof of LOCKED or UNSAFE, dimensionless.
+        carried: Load factors with equilibrium; None where that is not computed.
         times: Durations.
         allowed_excess: Share by which moments inside members may exceed the plastic moment.
     """
@@ -88,6 +90,7 @@ class Outcome(Compact):
     findings: tuple[Finding, ...]
     ray: Ray | None
     times: Times
+    carried: CarriedLoads | None = None
     allowed_excess: float = np.inf
 
     @cached_property
@@ -137,6 +140,7 @@ def outcome_of(
     regularised: bool = False,
     proof: Proof | None = None,
     allowed_excess: float = np.inf,
+    carried: CarriedLoads | None = None,
 ) -> Outcome:
     """Return the outcome of a loop, with what is proven of its claim if that needs a proof."""
     point, certificate = coupled.final.state, coupled.final.certificate
@@ -162,6 +166,7 @@ def outcome_of(
         ray=proof.ray,
         times=times,
         allowed_excess=allowed_excess,
+        carried=carried,
     )
 
 

@@ -16,6 +16,7 @@ from lacore.coupling.kinds import COUPLINGS
 from lacore.coupling.options import CouplingOptions
 from lacore.coupling.run import Coupled, Iterate, Run
 from lacore.limit.backend_choice import backend_for, program_to_solve
+from lacore.limit.carried import carried_loads
 from lacore.limit.constants import REGULARISED_EXCESS
 from lacore.limit.outcome import Outcome, Proof, Times, outcome_of
 from lacore.limit.stability import stability_of
@@ -89,6 +90,9 @@ def proven_outcome(problem: Problem | Discretisation, request: Request, earlier:
             preparer_named(PROVING_BACKEND, {}) if regularised else preparer(backend, options)
         )
         proof = _proof(problem, program, coupled, coupling, prove_with, request)
+    carried = None
+    if not regularised:
+        carried = carried_loads(problem, program, coupled, prepare)
     times = Times(build_time, clock.seconds, clock.compile_time)
     return outcome_of(
         problem,
@@ -99,6 +103,7 @@ def proven_outcome(problem: Problem | Discretisation, request: Request, earlier:
         regularised=regularised,
         proof=proof,
         allowed_excess=REGULARISED_EXCESS if regularised else request.loop.tolerance,
+        carried=carried,
     )
 
 

@@ -147,6 +147,7 @@ def limit_state(
         discretisation=outcome.discretisation,
         point=outcome.point,
         ray=ray,
+        carried=outcome.carried if status is Status.SOLVED else None,
         answered_by=answered_by(coupled, backend),
     )
 

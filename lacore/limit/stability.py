@@ -9,25 +9,22 @@ carried load may still have mechanisms (T14b), so the structure can stand but ne
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
+from lacore.coupling.claims.carried import carried_end
 from lacore.coupling.claims.dead_loads import DeadLoadProof, prove_dead_loads
-from lacore.coupling.claims.locking_ray import locking_ray
 from lacore.coupling.kinds import COUPLINGS
 from lacore.limit import cells
+from lacore.limit.carried import CarriedLoads, end_in_si, loads_between
 from lacore.limit.constants import SAME_LOAD_FACTOR
 from lacore.limit.conversion import point_in_si
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
-from lacore.program.certificate import Certificate
 from lacore.program.kinematic import (
-    FrozenContact,
-    KinematicProgram,
     associated_contact,
     dimensionless,
     require_homogeneous,
@@ -38,7 +35,7 @@ from lacore.reporting.kinds import Kind
 from lacore.reporting.showing import Facts
 from lacore.reporting.status import Result, Standing, Status
 from lacore.reporting.text import PYTHON, Reader
-from lacore.solvers.backend import Prepare, checked_answer, find_backend
+from lacore.solvers.backend import find_backend
 from lacore.solvers.inner.preparing import preparer_named
 from lacore.solvers.registry import PROVING_BACKEND
 
@@ -53,9 +50,9 @@ class Stability(Result):
 
     Attributes:
         standing: Behaviour under the dead loads alone.
-        low, high: Ends of the load factors that are proven to be carried; NaN without any. If the
-            structure stands, they are 0 and the load factor of the state. If it collapses, no load
-            factor between 0 and these is carried.
+        low, high: Ends of the load factors that are proven to be carried; NaN without any. With
+            associated flow, if the structure stands, they are 0 and the load factor of the state.
+            If it collapses, no load factor between 0 and these is carried.
         side: Side of the load factor of the state on which loads are carried: ``below``, ``above``
             or ``both``; empty if nothing is proven.
         point: State in SI units: stresses and reactions under the dead loads alone, without a
@@ -102,10 +99,10 @@ class Stability(Result):
             return "; no load factor is carried" if self.standing is Standing.FALLS else ""
         if self.low == self.high:
             return "" if self.low == 0 else f"; the load factor {self.low:.6g} is carried"
-        ends = f"from {self.low:.6g} to {self.high:.6g}"
+        loads = loads_between(self.low, self.high)
         if self.standing is Standing.STANDS:
-            return f", as are all load factors {ends}"
-        return f"; load factors {ends} are carried"
+            return f", as are {loads if loads.startswith('all') else f'all {loads}'}"
+        return f"; {loads} are carried"
 
 
 def stability_of(
@@ -116,10 +113,12 @@ def stability_of(
     tolerance: float,
     load_factor: float,
     conclude: Conclude = lambda *proven: proven,
+    carried: CarriedLoads | None = None,
 ) -> Stability:
     """Prove whether a structure stands under its dead loads, and which load factors it carries.
 
-    It solves one conic program if the dead loads are carried, and up to four if they are not.
+    It solves one conic program if the dead loads are carried or the carried loads are known, and
+    up to four if not.
 
     Args:
         discretisation: Discretisation of the problem.
@@ -131,6 +130,7 @@ def stability_of(
             carried; +inf for a locked load; NaN otherwise.
         conclude: Function that returns the verdict to report, given what is proven of the discrete
             problem.
+        carried: Load factors with equilibrium, if the solve of the state computed them.
 
     Raises:
         InputError: The state belongs to a step of a path, which has a given speed.
@@ -152,17 +152,26 @@ def stability_of(
     prepare = preparer_named(backend, options)
     found = prove_dead_loads(program, laws, prepare, tolerance)
     standing, point, why = _proven(discretisation, found, tolerance)
-    if standing is Standing.STANDS:
+    if carried is not None:
+        known += [carried.low, carried.high]
+    elif standing is Standing.STANDS:
         known = [0.0, *known]
     elif standing is Standing.FALLS:
-        known += _carried_ends(discretisation, program, laws, prepare, tolerance)
+        ends = (
+            end_in_si(
+                discretisation, carried_end(program, laws, sign, prepare, tolerance), tolerance
+            ).load_factor
+            for sign in (1.0, -1.0)
+        )
+        proven = [end for end in ends if not np.isnan(end)]
+        known += proven if np.isfinite(proven).any() else []
     standing, findings = conclude(standing, (why,) if why else ())
     low, high = min(known, default=np.nan), max(known, default=np.nan)
     return Stability(
         standing=standing,
         low=low,
         high=high,
-        side=_side(low, high, load_factor),
+        side=_side(low, high, load_factor) if carried is None else carried.side,
         point=point,
         residual=np.nan if standing is Standing.UNDECIDED else found.residual,
         findings=findings,
@@ -198,29 +207,3 @@ def _side(low: float, high: float, load_factor: float) -> str:
     )
     below, above = low < load_factor - slack, high > load_factor + slack
     return {(1, 0): "below", (0, 1): "above", (1, 1): "both"}.get((below, above), "")
-
-
-def _carried_ends(
-    discretisation: Discretisation,
-    program: KinematicProgram,
-    laws: FrozenContact,
-    prepare: Prepare,
-    tolerance: float,
-) -> list[float]:
-    """Return the largest and the smallest load factor proven to be carried, in SI units."""
-    ends = []
-    for sign in (1.0, -1.0):
-        driven = replace(program, reference_load=sign * program.reference_load)
-        with closing(prepare(driven)) as solver:
-            answer = checked_answer(driven, False, solver.solve(laws))
-        if answer.point is not None:
-            seen = Certificate.of(driven, answer.point, laws)
-            point = replace(answer.point, load_factor=sign * answer.point.load_factor)
-            point = point_in_si(discretisation, point)
-            worst = np.max([seen.equilibrium, seen.yield_violation, seen.cone])
-            if max(worst, span_excess(discretisation, point)) <= tolerance:
-                ends.append(point.load_factor)
-        elif answer.status is Status.LOCKED:
-            ray = locking_ray(driven, laws)
-            ends += [sign * np.inf] if ray is not None and ray.proves else []
-    return ends if any(np.isfinite(end) for end in ends) else []

@@ -17,6 +17,7 @@ from lacore.assembly.water import pore_pressures, total_stress
 from lacore.coupling.claims.proving import Ray
 from lacore.coupling.interval import Interval
 from lacore.coupling.kinds import COUPLINGS
+from lacore.limit.carried import CarriedLoads
 from lacore.limit.checking import checked
 from lacore.limit.constants import RESTING
 from lacore.limit.interval import interval_of_state
@@ -35,7 +36,7 @@ from lacore.reporting import views
 from lacore.reporting.errors import typed
 from lacore.reporting.findings import Finding
 from lacore.reporting.showing import Facts, Picture, counted
-from lacore.reporting.status import Reported, Rigor, Status
+from lacore.reporting.status import Claim, Reported, Rigor, Status
 from lacore.reporting.text import PYTHON, number
 from lacore.solvers.compilation import started
 
@@ -77,6 +78,9 @@ class LimitState(Reported):
             the last iterate, for inspection only. For UNSAFE it is the mechanism that the dead
             loads drive, at ``Fd.u = 1``, with the stresses that carry the largest share of them.
         ray: Proof of LOCKED or UNSAFE, in SI units, with recomputed residuals; None otherwise.
+        carried: Load factors with equilibrium, and whether the load factor of a certified Coulomb
+            state is the largest of them (capacity), the smallest (minimum holding load) or neither;
+            None for other states.
     """
 
     status: Status
@@ -99,6 +103,7 @@ class LimitState(Reported):
     ray: Ray | None = None
     answered_by: str = ""
     compile_time: float = 0.0
+    carried: CarriedLoads | None = None
 
     def _point(self) -> ProgramState:
         return self.required(self.point)
@@ -113,6 +118,12 @@ class LimitState(Reported):
         point = self._point()
         program = COUPLINGS[self.coupling].program_of(self.discretisation.full)
         return program.at_state(point.velocity, point.mean_stress)
+
+    @property
+    def claim(self) -> Claim:
+        """What the load factor proves, with its role among those that have equilibrium."""
+        own = self.discretisation.claim(self.rigor)
+        return own if self.carried is None else self.carried.role.qualified(own)
 
     @property
     def outer_iterations(self) -> int:
@@ -281,9 +292,12 @@ class LimitState(Reported):
 
         They are solved by the backend of this state. The interval is in SI units; each of its ends
         has its own reactions and certificate.
+
+        Raises:
+            InputError: There is no mechanism, as in a LOCKED state.
         """
         return interval_of_state(
-            self.discretisation, self._point(), self.backend, self.options, self.tolerance
+            self.discretisation, self.point, self.backend, self.options, self.tolerance
         )
 
     def stability(self) -> Stability:
@@ -294,7 +308,13 @@ class LimitState(Reported):
         """
         known = self.load_factor if self.status in (Status.SOLVED, Status.LOCKED) else np.nan
         return stability_of(
-            self.discretisation, self.backend, self.options, self.coupling, self.tolerance, known
+            self.discretisation,
+            self.backend,
+            self.options,
+            self.coupling,
+            self.tolerance,
+            known,
+            carried=self.carried,
         )
 
     def facts(self) -> Facts:
@@ -318,9 +338,8 @@ class LimitState(Reported):
         )
         told |= started(self.compile_time)
         told["size"] = self.discretisation.contents
-        claim = self.discretisation.claim(self.rigor)
         size = number(self.load_factor, ".7g")
-        return Facts(f"LimitState: load factor {size}, {claim.text}", told)
+        return Facts(f"LimitState: load factor {size}, {self.claim.text}", told)
 
     def picture(self) -> Picture:
         """The mechanism, or where there is none the problem."""
@@ -331,8 +350,7 @@ class LimitState(Reported):
     def __str__(self) -> str:
         """Return the load factor, what it proves, its largest residual and the message."""
         named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
-        claim = self.discretisation.claim(self.rigor)
-        lines = [f"load factor {number(self.load_factor, '.6g')} ({claim}; {named})"]
+        lines = [f"load factor {number(self.load_factor, '.6g')} ({self.claim}; {named})"]
         if self.certificate is not None:
             residual, size = self.certificate.worst
             lines.append(f"largest residual {size:.1e} ({residual})")

@@ -150,8 +150,7 @@ def _rigid_parts(state: LimitState) -> int:
 def title_of(state: LimitState) -> str:
     """Return the load factor, what it proves, and the solver."""
     if state.status is Status.SOLVED:
-        claim = state.discretisation.claim(state.rigor)
-        first = f"load factor {state.load_factor:.6g}   ({claim.text})"
+        first = f"load factor {state.load_factor:.6g}   ({state.claim.text})"
     elif state.status is Status.UNSAFE:
         first = "UNSAFE: collapse mechanism under the dead loads alone"
     else:

@@ -65,9 +65,17 @@ class Kind(Enum):
         "other load factors may exist, because flow is not associated; {terms.SOIL_RANGE} searches"
         " for them"
     )
-    LARGER_LOADS = (
-        "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
-        " structure may stand above this load factor and not below; see `state.stability()`"
+    MINIMUM_HOLDING_LOAD = (
+        "this is the minimum holding load: no equilibrium exists below it, and {loads} are carried"
+    )
+    EQUILIBRIUM_ON_BOTH_SIDES = (
+        "{loads} have equilibrium within the friction cones, which does not exclude that the"
+        " structure moves"
+    )
+    LOCKS_IN_FORCES = (
+        "all load factors have equilibrium within the friction cones, because the contact can lock"
+        " in forces of any size (prestress); without them the structure may move below and above"
+        " this load factor"
     )
     NEGATIVE = (
         "the load factor is negative: the dead loads alone may not be carried; see"
@@ -300,10 +308,6 @@ FILES: Mapping[Kind, str] = {
     Kind.CELLS_FALL: (
         "this is proven of the cells of joints that crush: the joints carry more than these; finer"
         " cells (divisions) show how much"
-    ),
-    Kind.LARGER_LOADS: (
-        "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
-        " structure may stand above this load factor and not below; see the line on dead loads"
     ),
     Kind.NEGATIVE: (
         "the load factor is negative: the dead loads alone may not be carried; see the line on dead"

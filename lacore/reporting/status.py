@@ -204,6 +204,34 @@ class Claim:
         return ": ".join(filter(None, (self.text, self.reason)))
 
 
+class Role(Enum):
+    """Where other load factors than a given one have equilibrium within the friction cones."""
+
+    CAPACITY = "no equilibrium exists above it"
+    MINIMUM = "no equilibrium exists below it"
+    BOTH_SIDES = "neither a capacity nor a minimum holding load"
+    ONLY = "no other load factor has equilibrium"
+    UNDECIDED = "not a bound: other load factors may be possible"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables."""
+        return _ROLES[self]
+
+    def qualified(self, claim: Claim) -> Claim:
+        """Return the claim of a load factor with this role."""
+        return Claim(f"{claim.text}, {self.label}", self.value)
+
+
+_ROLES = {
+    Role.CAPACITY: "capacity",
+    Role.MINIMUM: "minimum holding load",
+    Role.BOTH_SIDES: "equilibrium on both sides",
+    Role.ONLY: "only load factor with equilibrium",
+    Role.UNDECIDED: "side of equilibrium undecided",
+}
+
+
 class Rigor(Enum):
     """What a load factor proves (T16). No number is printed without one."""
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lacore.assembly.sticking import opening
 from lacore.limit import cells
+from lacore.limit.carried import loads_between
 from lacore.limit.judges.dimensions import changed_meshes, implausible_dimensions, snapped_tables
 from lacore.limit.judges.driven_corners import driven_corners
 from lacore.limit.judges.reached import reached_supports
@@ -18,12 +19,17 @@ from lacore.model.bodies.frames.frame import Frame
 from lacore.model.conditions.water import PorePressure, StandingWater
 from lacore.reporting.findings import Finding, Severity
 from lacore.reporting.kinds import Kind
-from lacore.reporting.status import Rigor, Scope, Status
+from lacore.reporting.status import Rigor, Role, Scope, Status
 from lacore.reporting.text import Quantity
 
 Judge = Callable[[Outcome, Status], Iterable[Finding]]
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 _UNDECIDED = (Status.NOT_CERTIFIED, Status.STALLED, Status.ITERATION_LIMIT)
+
+_NO_CAPACITY = {
+    Role.MINIMUM: Kind.MINIMUM_HOLDING_LOAD,
+    Role.BOTH_SIDES: Kind.EQUILIBRIUM_ON_BOTH_SIDES,
+}
 
 
 def judged(outcome: Outcome) -> tuple[Status, tuple[Finding, ...]]:
@@ -112,14 +118,16 @@ def opens(outcome: Outcome, status: Status) -> Iterator[Finding]:
     yield from _any(opening(outcome.discretisation.problem, status))
 
 
-def larger_loads(outcome: Outcome, status: Status) -> Iterator[Finding]:
+def other_loads(outcome: Outcome, status: Status) -> Iterator[Finding]:
     """A load factor alone does not show which loads are carried."""
     if status is not Status.SOLVED:
         return
-    first = outcome.coupled.iterates[0]
-    if first.kind == "associated" and first.inner.status is Status.LOCKED:
-        yield Finding(Kind.LARGER_LOADS, severity=Severity.WARNING)
-    elif outcome.load_factor(status) < 0:
+    own = outcome.carried
+    if own is not None and own.role in _NO_CAPACITY:
+        kind = Kind.LOCKS_IN_FORCES if own.locks_in_forces else _NO_CAPACITY[own.role]
+        values = {"loads": loads_between(own.low, own.high)}
+        yield Finding(kind, values=values, severity=Severity.WARNING)
+    if outcome.load_factor(status) < 0:
         yield Finding(Kind.NEGATIVE, severity=Severity.WARNING)
 
 
@@ -174,7 +182,7 @@ DESCRIBING: tuple[Judge, ...] = (
     shared_corners,
     reached,
     opens,
-    larger_loads,
+    other_loads,
     fall_of_cells,
     reasons,
     backend_message,

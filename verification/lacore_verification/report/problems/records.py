@@ -22,6 +22,7 @@ def document(stated: Stated, answer: ProblemResults, page: Path | None) -> dict[
         "status": state.status.label,
         "load_factor": state.load_factor,
         "rigor": state.rigor.label,
+        "carried": None if state.carried is None else state.carried.record(),
         "message": answer.report.text_for(reader),
         "findings": records(answer.findings, reader),
         "mechanism": None if state.point is None else mechanism(state, stated.units),

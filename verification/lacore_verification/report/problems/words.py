@@ -86,8 +86,9 @@ def claim(state: la.LimitState) -> Claim:
     """Return what a load factor proves."""
     deforms = bool(state.discretisation.continua)
     if deforms and state.rigor is la.Rigor.DISCRETE and state.status is la.Status.SOLVED:
-        return Claim("estimate", "certified on this mesh, but not a bound")
-    return state.discretisation.claim(state.rigor)
+        role = f", {state.carried.role.label}" if state.carried else ""
+        return Claim(f"estimate{role}", "certified on this mesh, but not a bound")
+    return state.claim
 
 
 def mechanism(state: la.LimitState, units: Units) -> str:
