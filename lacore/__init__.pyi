@@ -18,6 +18,9 @@ from .analyses.sensitivity import sensitivity as sensitivity
 from .analyses.stable import Stable as Stable
 from .analyses.stable import stable as stable
 from .analyses.thickness import limit_thickness as limit_thickness
+from .analyses.thrust import Thrust as Thrust
+from .analyses.thrust import support_motion as support_motion
+from .analyses.thrust import thrust as thrust
 from .analyses.yield_surface.envelope import Envelope as Envelope
 from .analyses.yield_surface.envelope import envelope as envelope
 from .assembly.discretisation import Discretisation as Discretisation
