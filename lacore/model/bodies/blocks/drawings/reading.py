@@ -190,7 +190,8 @@ def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | Non
         fix = "give a .dxf, .geojson or .json; of a DWG its DXF"
         raise InputError("path", path, "a format that is not known", fix)
     content = json_of(path)
-    if isinstance(content, dict) and content.get("type") in TYPES:
+    named = isinstance(content, dict) and isinstance(content.get("type"), str)
+    if named and (ending == ".geojson" or content["type"] in TYPES):
         return read_geojson(path, content, wanted)
     return read_compas(path, content, wanted)
 

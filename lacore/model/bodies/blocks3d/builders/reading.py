@@ -98,7 +98,8 @@ def read(
     sound, notes = repaired(scaled, allowed)
     blocks = {name: _block(shown, name, mesh, allowed) for name, mesh in sound.items()}
     assembly = BlockAssembly3D(blocks, friction, joint_friction, allowed, crushing)
-    return noted(assembly, (f"{Path(shown).name}, lengths in {unit}", *notes))
+    noted(assembly, (f"{Path(shown).name}, lengths in {unit}", *notes))
+    return assembly
 
 
 def _block(path: str, name: str, mesh: Mesh, tolerance: float) -> Polyhedron:

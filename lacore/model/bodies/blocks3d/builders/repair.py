@@ -12,6 +12,7 @@ from lacore.reporting.showing import counted, listed
 
 Mesh = tuple[Floats, list[list[int]]]
 """Vertices, (n, 3), m, and the numbers of the vertices of each polygon."""
+_TOUCHED = 1e-3  # by the area of a face: overlap with another one at which it touches it
 _SLAB = 0.1  # by the width of a ground face: thickness of the slab in its place
 
 
@@ -30,7 +31,8 @@ def repaired(meshes: Mapping[str, Mesh], tolerance: float) -> tuple[dict[str, Me
             ground.append(name)
             found[name if name.startswith("support ") else f"support {name}"] = slab
             continue
-        plane = [_plane(points, face, tolerance) for face in faces]
+        rings = [ring for other, own in once.items() if other != name for ring in _rings(own)]
+        plane = [_plane(points, face, rings, tolerance) for face in faces]
         warped += sum(len(parts) > 1 for parts in plane)
         found[name] = points, [part for parts in plane for part in parts]
     notes = []
@@ -64,17 +66,34 @@ def _normal(points: Floats) -> Floats:
     return np.asarray(vector / length if length > 0 else vector)
 
 
-def _plane(points: Floats, face: list[int], tolerance: float) -> list[list[int]]:
-    """Return the polygon, or triangles if a vertex is off its plane by more than `tolerance`."""
+def _rings(mesh: Mesh) -> list[Floats]:
+    points, faces = mesh
+    return [points[face] for face in faces]
+
+
+def _plane(
+    points: Floats, face: list[int], others: list[Floats], tolerance: float
+) -> list[list[int]]:
+    """Return the polygon, or triangles if it is warped more than `tolerance` and touches nothing.
+
+    Polyhedra reject other warped polygons with their place.
+    """
     own = points[face]
-    normal = _normal(own)
-    off = np.abs((own - own.mean(axis=0)) @ normal).max()
+    normal, middle = _normal(own), own.mean(axis=0)
+    off = np.abs((own - middle) @ normal).max()
     if len(face) < 4 or off <= tolerance or not normal.any():
         return [face]
-    flat = np.stack([(own @ axis)[:, 0] for axis in axes_of(normal[:, None])], axis=1)
+    axes = np.concatenate(axes_of(normal[:, None]), axis=1)
+    flat = own @ axes
     polygon = shapely.Polygon(flat)
-    if not polygon.is_valid:
-        return [face]  # which a polyhedron rejects with its place
+    near = [ring for ring in others if np.abs((ring - middle) @ normal).max() <= 3 * off]
+    touched = any(
+        shapely.Polygon(ring @ axes).convex_hull.intersection(polygon.convex_hull).area
+        > _TOUCHED * polygon.area
+        for ring in near
+    )
+    if touched or not polygon.is_valid:
+        return [face]
     number = {tuple(place): face[n] for n, place in enumerate(flat.tolist())}
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
     rings = (shapely.get_coordinates(own)[:3].tolist() for own in triangles)
