@@ -27,9 +27,14 @@ _UNNAMED = (
 Part = SurfaceLoad | Footing | StandingWater | Fix
 
 
+def size_of(mesh: Mesh) -> float:
+    """Return the diagonal of the bounding box, m."""
+    return float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
+
+
 def allowed(mesh: Mesh) -> float:
     """Return the distance up to which coordinates in a mesh count as one, m."""
-    return float(TOUCH * np.linalg.norm(np.ptp(mesh.p, axis=1)))
+    return TOUCH * size_of(mesh)
 
 
 def facets_of(part: Part, mesh: Mesh) -> Ints:

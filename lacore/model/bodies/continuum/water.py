@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from skfem import Mesh
 
-from lacore.model.bodies.continuum.boundaries import allowed
+from lacore.model.bodies.continuum.boundaries import allowed, size_of
 from lacore.model.conditions.loads import Load
 from lacore.model.conditions.water import PorePressure, StandingWater, WaterTable
 from lacore.model.meshes.curved import vertices
@@ -58,8 +58,7 @@ def snapped(pressure: Any, mesh: Mesh) -> Any:
         return pressure
     heights = vertices(mesh)[1]
     nearest = float(heights[np.argmin(np.abs(heights - pressure.height))])
-    size = float(np.linalg.norm(np.ptp(mesh.p, axis=1)))
-    close = allowed(mesh) < abs(nearest - pressure.height) <= _SNAP * size
+    close = allowed(mesh) < abs(nearest - pressure.height) <= _SNAP * size_of(mesh)
     return replace(pressure, height=nearest) if close else pressure
 
 
