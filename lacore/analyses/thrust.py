@@ -153,12 +153,12 @@ def support_motion(problem: Problem, body: str, block: str, direction: Sequence[
     supports: list[Fix] = []
     found = False
     for own in problem.supports:
-        names = (own.where,) if isinstance(own.where, str) else own.where
-        if own.body != body or not isinstance(names, tuple) or block not in names:
+        fixed = (own.where,) if isinstance(own.where, str) else own.where
+        if own.body != body or not isinstance(fixed, tuple) or block not in fixed:
             supports.append(own)
             continue
         found = found or axis in own.components
-        if others := tuple(name for name in names if name != block):
+        if others := tuple(name for name in fixed if name != block):
             supports.append(replace(own, where=others))
         if rest := own.components.replace(axis, ""):
             supports.append(replace(own, where=block, components=rest))
