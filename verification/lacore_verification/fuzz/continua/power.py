@@ -3,8 +3,8 @@
 For every field of the velocity space the power of the stresses is that of loads, contacts and
 supports. Fields are quadratic (linear where the space is), so each space contains them.
 
-Where a body slips past a support or a footing, a traction along its side acts on the latter: there
-the body gets only the component across the side.
+Where a body slips past a support or a footing, a traction along its side acts on the latter. The
+forces of supports balance it, so that all of it counts here.
 """
 
 from collections.abc import Iterator, Mapping
@@ -120,7 +120,6 @@ def check_power(
         if not isinstance(body, la.Body):
             continue
         own = supports[supports["body"] == name]
-        slip = state.discretisation.slips.get(name)
         for number in range(FIELDS):
             whole = number == 0
             field = rigid_field(rng, body) if whole else random_field(rng, body)
@@ -130,7 +129,7 @@ def check_power(
                 for factor, key in ((state.load_factor, "reference"), (1.0, "dead"))
                 for load in recipe[key]
                 if load["body"] == name
-                for power, most in [_load_power(body, field, load, slip)]
+                for power, most in [_load_power(body, field, load)]
             ]
             at = np.stack([own["x"].to_numpy(), own["y"].to_numpy()])
             v = field.velocity(at)
@@ -194,9 +193,7 @@ def _touch(points: Touches, body: str, field: Field) -> Floats:
     return np.asarray(sign * np.sum(points.force * v, axis=1))
 
 
-def _load_power(
-    body: la.Body, field: Field, load: Mapping[str, Any], slip: Slip | None
-) -> tuple[float, float]:
+def _load_power(body: la.Body, field: Field, load: Mapping[str, Any]) -> tuple[float, float]:
     """Return the power of a load on a body at factor one, and the sum of its magnitudes.
 
     The load of a footing is in the table of support forces.
@@ -218,8 +215,6 @@ def _load_power(
         )
         if kind == "Pressure":
             force = -load["value"] * outward
-        else:
-            force -= on_holders(body, load, slip)
         force = np.repeat(force[:, :, None], places.shape[2], 2)
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
