@@ -143,7 +143,8 @@ def growths(
     rests = np.array([track.rest for track in tracks])
     elements = np.array([track.elements for track in tracks], dtype=float)
     aim = WIDTH_AIMS[len(tracks)]
-    if not (np.all(np.isfinite(rests)) and rests.max() > 0 and np.isfinite(missing)):
+    known = bool(np.all(np.isfinite(rests))) and rests.max() > 0
+    if not (known and apart < 1 and np.isfinite(missing)):
         small = int(np.argmin(elements))
         alone = elements[small] < SMALL_MESH * elements.max() and not np.isfinite(rests[small])
         every = np.full(len(tracks), max(missing / aim, 1.0) ** (1 / order))

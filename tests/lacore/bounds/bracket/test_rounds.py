@@ -185,6 +185,13 @@ def test_widths_that_fall_slowly_take_more_elements():
     assert growths([track], 3.0, 0.8) == pytest.approx([(3 / 0.94) ** (1 / 1.6)])
 
 
+def test_two_problems_apart_by_the_whole_width_are_refined_evenly():
+    """Refinement gains nothing, so that no mesh gains more than another."""
+    tracks = [SimpleNamespace(elements=float(own), rest=rest) for own, rest in ((33, 0.1), (32, 0))]
+    one, other = growths(tracks, 2.0, 1.0, apart=1.0)
+    assert one == other == pytest.approx(2 / 0.97)
+
+
 def test_where_two_problems_stay_apart_what_can_be_gained_counts():
     """Of a width of 1.2 targets 0.5 stay: 0.7 are to become 0.5, and a little less."""
     track = SimpleNamespace(elements=100.0, rest=1.0)
