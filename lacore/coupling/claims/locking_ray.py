@@ -8,6 +8,8 @@ recomputed here. They must be round-off, because reactions on an incline of 1e-9
 """
 
 from dataclasses import dataclass, replace
+from itertools import product
+from math import pi
 
 import numpy as np
 from scipy.sparse import csr_matrix, eye_array, hstack, vstack
@@ -67,10 +69,10 @@ def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay
 
     A conic program whose solutions are inside the cones comes first. Its reactions are moved onto
     exact equilibrium, the less the closer they are to the tip of a cone. Reactions on the surface
-    of a cone would leave it; if all cones have straight edges, a linear program finds these.
+    of a cone would leave it; a linear program finds these along edges of the cones.
     """
     ray = _from_cones(program, contact)
-    if (ray is None or not ray.proves) and _straight(program, contact):
+    if ray is None or not ray.proves:
         ray = _from_edges(program, contact) or ray
     return ray
 
@@ -127,21 +129,18 @@ def _sizes(program: KinematicProgram, point: ProgramState) -> Floats:
     return np.asarray(sizes)
 
 
-def _straight(program: KinematicProgram, contact: FrozenContact) -> bool:
-    """Whether the cones of all contact points and yield surfaces have straight edges."""
-    surfaces = (group.surfaces for group in program.groups if group.surfaces is not None)
-    plane = program.contact.tangent_dim == 1 or not np.any(contact.dilatancy)
-    return plane and not any(np.any(own.edges[:, :, 0]) for own in surfaces)
-
-
 def _from_edges(program: KinematicProgram, contact: FrozenContact) -> LockingRay | None:
-    """Return the reactions of a linear program along the straight edges of all cones."""
+    """Return the reactions of a linear program along the edges of all cones.
+
+    For dilatant friction in three dimensions and for the shear of soil some directions represent
+    all, which is safe: the reactions found are admissible.
+    """
     rows = program.contact
-    ways = np.array([[1.0], [-1.0]]) if rows.tangent_dim == 1 else np.zeros((1, rows.tangent_dim))
+    ways = _ways(contact, rows.tangent_dim)
     leaning = [_of_points(contact.dilatancy[:, None] * way, rows.count, way.size) for way in ways]
     sloped = [rows.normal - along @ rows.tangential for along in leaning]
     endless = [_endless(group) for group in program.groups]
-    pressing = csr_matrix(vstack([*sloped, *(own for own, _ in endless)]))
+    pressing = csr_matrix(vstack([*sloped, *(own.rows for own in endless)]))
     sticks = np.repeat(np.isinf(contact.bound), rows.tangent_dim)
     keeping = [group.volumetric for group in program.groups if group.surfaces is None]
     free = csr_matrix(vstack([rows.tangential[sticks], *keeping]))
@@ -152,7 +151,7 @@ def _from_edges(program: KinematicProgram, contact: FrozenContact) -> LockingRay
     sizes = abs(csr_matrix(vstack([pressing, free])).T) @ np.abs(multipliers)
     sizes = load * sizes + np.abs(program.reference_load)
     multipliers *= load
-    counts = [len(ways) * rows.count, *(own.shape[0] for own, _ in endless), int(sticks.sum())]
+    counts = [len(ways) * rows.count, *(own.rows.shape[0] for own in endless), int(sticks.sum())]
     counts += [own.shape[0] for own in keeping]
     pressed, *others = np.split(multipliers, np.cumsum(counts)[:-1])
     grown, stuck, kept = others[: len(endless)], others[len(endless)], others[len(endless) + 1 :]
@@ -162,9 +161,12 @@ def _from_edges(program: KinematicProgram, contact: FrozenContact) -> LockingRay
     for along, own in zip(leaning, normal, strict=True):
         tangential -= along.T @ own
     means = iter(kept)
-    means_of = [
-        (-next(means) if group.surfaces is None else mean.T @ by) / group.volume_weights
-        for group, (_, mean), by in zip(program.groups, endless, grown, strict=True)
+    stresses = [
+        (
+            (own.shear.T @ by).reshape(-1, group.dim) / group.weights[:, None],
+            (-next(means) if group.surfaces is None else own.mean.T @ by) / group.volume_weights,
+        )
+        for group, own, by in zip(program.groups, endless, grown, strict=True)
     ]
     return _judged(
         program,
@@ -172,8 +174,8 @@ def _from_edges(program: KinematicProgram, contact: FrozenContact) -> LockingRay
         ProgramState(
             velocity=np.zeros(program.n),
             load_factor=1.0,
-            stress=tuple(np.zeros((g.weights.size, g.dim)) for g in program.groups),
-            mean_stress=tuple(means_of),
+            stress=tuple(stress for stress, _ in stresses),
+            mean_stress=tuple(mean for _, mean in stresses),
             normal_reaction=normal.sum(axis=0) / rows.weights,
             tangential_reaction=tangential.reshape(-1, rows.tangent_dim) / rows.weights[:, None],
         ),
@@ -203,26 +205,61 @@ def _judged(
     )
 
 
-def _endless(group: DissipationGroup) -> tuple[Sparse, Sparse]:
-    """Return the mean stresses of a group that may grow without bound, along straight edges (T48).
+def _ways(contact: FrozenContact, dim: int) -> Floats:
+    """Return directions of slip, shape (k, dim): both in two dimensions; one if none dilates."""
+    if dim == 1:
+        return np.array([[1.0], [-1.0]])
+    return _directions(dim) if np.any(contact.dilatancy) else np.zeros((1, dim))
 
-    Returns:
-        Their negative power per unknown, shape (k, n), which is >= 0 for all possible flow, and the
-        stresses times weights, shape (k, m L). There are none for incompressible groups.
+
+@dataclass(frozen=True)
+class _Endless:
+    """Stresses of a group that may grow without bound, one per row.
+
+    Attributes:
+        rows: Negative power of the stresses, shape (k, n), which is >= 0 for all possible flow.
+        shear, mean: Stresses times weights, shapes (k, m dim) and (k, m L).
     """
-    volumes, count = group.volumes, group.weights.size
+
+    rows: Sparse
+    shear: Sparse
+    mean: Sparse
+
+
+def _endless(group: DissipationGroup) -> _Endless:
+    """Return the stresses along the edges of yield surfaces (T48); none for incompressible groups.
+
+    Some directions of shear represent all, which is safe: the stresses are admissible.
+    """
+    dim, volumes, count = group.dim, group.volumes, group.weights.size
+    shears = [csr_matrix((0, count * dim))]
+    means = [csr_matrix((0, count * volumes))]
     edges = () if group.surfaces is None else tuple(np.moveaxis(group.surfaces.edges, 1, 0))
-    means = [_of_points(edge[:, 1:], count, volumes) for edge in edges]
-    pressed = csr_matrix(vstack([csr_matrix((0, count * volumes)), *means]))
-    rows = csr_matrix(-(pressed @ group.volumetric))
+    for edge in edges:
+        shear, mean = edge[:, 0], edge[:, 1:]
+        for direction in _directions(dim) if np.any(shear) else np.zeros((1, dim)):
+            shears.append(_of_points(shear[:, None] * direction, count, dim))
+            means.append(_of_points(mean, count, volumes))
+    along, pressed = csr_matrix(vstack(shears)), csr_matrix(vstack(means))
+    rows = csr_matrix(-(along @ group.rows + pressed @ group.volumetric))
     moved = np.diff(rows.indptr) > 0
-    return rows[moved], pressed[moved]
+    return _Endless(rows[moved], along[moved], pressed[moved])
 
 
 def _of_points(share: Floats, count: int, dim: int) -> Sparse:
     """Return the matrix that sums `dim` rows of each point by shares, shape (count, count dim)."""
     starts = dim * np.arange(count + 1)
     return csr_matrix((share.ravel(), np.arange(count * dim), starts), (count, count * dim))
+
+
+def _directions(dim: int) -> Floats:
+    """Return unit vectors in all directions, shape (k, dim); in a plane every 22.5 degrees."""
+    if dim == 2:
+        angle = np.arange(16) * pi / 8
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    corners = np.array(list(product((-1.0, 0.0, 1.0), repeat=dim)))
+    length = np.linalg.norm(corners, axis=1)
+    return np.asarray(corners[length > 0] / length[length > 0, None])
 
 
 def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:
