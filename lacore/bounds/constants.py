@@ -86,8 +86,15 @@ STRENGTH_MARGIN: Final[float] = 1e-7
 """Least margin of all strengths, tried in turn if a state cannot be scaled.
 
 The change by the projection is measured up to 2e-8. The margin is also at least four times the
-tolerance of the backend. Both are by the largest stress, and margins are by the least strength,
-which is far smaller in sand with a lent cohesion.
+tolerance of the backend.
+"""
+
+NEGLIGIBLE_STRENGTH: Final[float] = 1e-4
+"""Strength by the largest stress below which the first margin is one of the largest stress.
+
+The projection changes stresses by up to 2e-8 of the largest one, so that margins of smaller
+strengths, which sands with a lent cohesion have, prove nothing. Larger margins cost other soils up
+to 2e-5 of their bound.
 """
 
 WIDER_MARGINS: Final[tuple[float, ...]] = (1.0, 100.0, 10_000.0)

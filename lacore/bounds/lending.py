@@ -94,7 +94,7 @@ def _per_volume(load: Load, body: Body) -> float:
 
 @_per_volume.register(BodyForce)
 def _of_volume(load: BodyForce, body: Body) -> float:
-    return largest(load, body, "BodyForce")
+    return largest(load, body.mesh, "BodyForce")
 
 
 def _weak(problem: Problem) -> Iterator[str]:

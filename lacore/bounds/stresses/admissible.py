@@ -9,6 +9,7 @@ from lacore.bounds.constants import (
     FRICTION_MARGIN,
     LENT_COHESION,
     MOST_FRICTION_MARGIN,
+    NEGLIGIBLE_STRENGTH,
     STRENGTH_MARGIN,
     TRACTION_NOISE,
     WIDER_MARGINS,
@@ -24,7 +25,8 @@ def margins(program: KinematicProgram, tolerance: float) -> list[float]:
     """Return the reductions of all strengths for a nominal tolerance; none if scaling suffices."""
     if not (np.any(program.dead_load) or np.any(program.contact.dilatancy)):
         return [0.0]
-    least = max(STRENGTH_MARGIN, 4 * tolerance) / min(_least_strength(program), 1.0)
+    least, strength = max(STRENGTH_MARGIN, 4 * tolerance), _least_strength(program)
+    least /= strength if strength < NEGLIGIBLE_STRENGTH else 1.0
     shares = list(dict.fromkeys(min(factor * least, WIDEST_MARGIN) for factor in WIDER_MARGINS))
     return [*shares, *LENT_COHESION] if program.pressure_dependent else shares
 
