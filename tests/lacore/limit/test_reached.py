@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.limit import advice
-from lacore.limit.larger import with_ground_beyond
+from lacore.limit.advice import with_ground_beyond
 from lacore.limit.solve import solve
 from lacore.model.bodies.continuum.forces import force
 from lacore_verification.catalogue.catalogue import catalogue, find
