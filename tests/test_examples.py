@@ -12,10 +12,10 @@ import lacore as la
 
 MADE = {
     *("Bracket", "Certificate", "Critical", "Crossing"),
-    *("CrushingBracket", "DeadCollapse", "Discretisation"),
+    *("CarriedLoads", "CrushingBracket", "DeadCollapse", "Discretisation"),
     *("Envelope", "GapIdentity", "Interval", "LimitState", "LoadCases", "LockingRay"),
     *("LoadFactorRange", "LowerBound", "Path"),
-    *("SafetyFactor", "Sensitivity", "Stability", "Stable", "UpperBound"),
+    *("SafetyFactor", "Sensitivity", "Stability", "Stable", "Thrust", "UpperBound"),
     *("WorstPosition", "masonry.DrawnBlocks"),
 }
 """What nobody calls: functions return it, and their examples show it."""

@@ -112,6 +112,7 @@ def values():
         *(la.Fix("block", "left"), la.Fix(LONG, MANY, "normal")),
         *(la.Traction(LONG, MANY, (wide, 1)), la.Pressure(LONG, LONG, wide)),
         *(la.BodyForce(LONG, (10**50, 1), MANY), la.PointForce(LONG, LONG, (1, wide), LONG)),
+        la.PiezometricLine([(number / 3, wide) for number in range(40)], 1 / 3),
         *(la.WaterTable(wide, 1 / 3), la.StandingWater(LONG, MANY, la.WaterTable(wide))),
         *(la.Within((-1 / 3, wide), 1 / 3), la.Along((1 / 3, 0), (wide, 1))),
         *(
@@ -246,6 +247,13 @@ def results():
     made.append(la.crushing_bracket(weak_pier(), rounds=1))
     made += [la.coulomb_range(deformable_block(0.3, b=1.0), restarts=0)]
     made += answers()
+    arch = la.Problem(
+        {"arch": la.masonry.arch(9, 1, 0.2, friction=0.9)},
+        [la.BodyForce("arch", (1, 0))],
+        [la.Fix("arch", ("left", "right"))],
+        dead_loads=[la.BodyForce("arch", (0, -1))],
+    )
+    made += [la.thrust(arch, "arch", "right", (-1, 0)), la.solve(arch).carried]
     made += [pressed(steps=1), pressed(steps=1, billet=quad_billet)]
     path, spread = made[-2], next(own for own in made if isinstance(own, la.LoadFactorRange))
     bracket = next(own for own in reversed(made) if isinstance(own, la.Bracket))

@@ -78,7 +78,7 @@ def read(
 
     Example:
         >>> la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2).save("rectangle.msh")  # or of gmsh
-        >>> la.meshes.read("rectangle.msh", unit="ft").p.max()
+        >>> float(la.meshes.read("rectangle.msh", unit="ft").p.max())
         0.6096
     """
     _check(merge, unit, elements)
