@@ -79,11 +79,12 @@ class CarriedLoads(Shown):
 
     def facts(self) -> Facts:
         """Return both ends and their proofs."""
-        told = {
-            "role": f"{self.role.label}: {self.role.value}",
-            "proven": f"no equilibrium below {self.least:.7g} or above {self.most:.7g}",
-            "residual": f"largest {self.residual:.1e}",
-        }
+        told = {"role": f"{self.role.label}: {self.role.value}"}
+        ends = {"below": self.least, "above": self.most}
+        if proven := [f"{side} {end:.7g}" for side, end in ends.items() if np.isfinite(end)]:
+            told["proven"] = f"no equilibrium {' or '.join(proven)}"
+        if np.isfinite(self.residual):
+            told["residual"] = f"largest {self.residual:.1e}"
         return Facts(f"CarriedLoads: {loads_between(self.low, self.high)}", told)
 
 

@@ -139,6 +139,7 @@ def test_a_wedged_keystone_has_equilibrium_on_both_sides():
     assert "equilibrium on both sides" in str(state).splitlines()[0]
     found = state.stability()
     assert (found.low, found.high, found.side) == (-np.inf, np.inf, "both")
+    assert not {"proven", "residual"} & state.carried.facts().told.keys()
 
 
 def test_a_locked_state_has_no_interval():
