@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+from warnings import warn
 
 import numpy as np
 
@@ -69,6 +70,12 @@ class Stability(Result):
     point: ProgramState | None
     residual: float
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def why(self) -> str:
+        """The message, by the name of this attribute until 0.4."""
+        warn("Stability.why is now Stability.message", DeprecationWarning, stacklevel=2)
+        return self.message
 
     def facts(self) -> Facts:
         """Return the proven behaviour and the residual of the proof."""

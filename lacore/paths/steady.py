@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
+from warnings import warn
 
 import numpy as np
 import pandas as pd
@@ -83,6 +84,12 @@ class SteadyState(Result):
     drift: float
     flow: float
     findings: tuple[Finding, ...]
+
+    @property
+    def finding(self) -> Finding:
+        """The only finding, by the name of this attribute until 0.4."""
+        warn("SteadyState.finding is now findings", DeprecationWarning, stacklevel=2)
+        return self.findings[0]
 
     def facts(self) -> Facts:
         """Return the reason, and the mean force."""

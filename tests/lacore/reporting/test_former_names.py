@@ -8,6 +8,9 @@ import pytest
 
 import lacore as la
 from lacore import FORMER
+from lacore.paths.steady import SteadyState
+from lacore.reporting.findings import Finding
+from lacore.reporting.kinds import Kind
 from tests.lacore.pictures.readings import column
 
 INSIDE = {
@@ -50,3 +53,13 @@ def test_an_argument_is_taken_by_its_former_name():
     with pytest.warns(DeprecationWarning, match=r"solve\(normal_reaction=\)"):
         old = la.solve(problem, pressed=reactions)
     assert old.load_factor == pytest.approx(0.5, abs=1e-6)
+
+
+def test_attributes_are_read_by_their_former_names():
+    stability = la.solve(column((1, 1), 0.5)).stability()
+    with pytest.warns(DeprecationWarning, match=r"Stability\.message"):
+        assert stability.why == stability.message
+    reason = Finding(Kind.NOT_STEADY, (), {"loads": "loads"})
+    steady = SteadyState(False, None, 1.0, 0.1, 0.1, (reason,))
+    with pytest.warns(DeprecationWarning, match="findings"):
+        assert steady.finding is reason
