@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lacore.coupling.bounds import upper_bound
-from lacore.coupling.claims.dead_loads import prove_dead_loads
 from lacore.coupling.claims.locking_ray import locking_ray
 from lacore.program.certificate import Certificate
 from lacore.program.kinematic import FrozenContact, KinematicProgram
@@ -81,7 +80,8 @@ def carried_end(
         with closing(prepare(driven)) as solver:
             answer = checked_answer(driven, False, solver.solve(contact))
     if answer.point is None:
-        endless = answer.status is Status.LOCKED and _endless(driven, contact, prepare, tolerance)
+        ray = locking_ray(driven, contact) if answer.status is Status.LOCKED else None
+        endless = ray is not None and ray.proves
         return CarriedEnd(
             sign, sign * np.inf if endless else np.nan, sign * np.inf, 0.0, np.nan, None
         )
@@ -96,21 +96,3 @@ def carried_end(
         residual=residual if proven else np.nan,
         point=replace(answer.point, load_factor=sign * answer.point.load_factor),
     )
-
-
-def _endless(
-    program: KinematicProgram, contact: FrozenContact, prepare: Prepare, tolerance: float
-) -> bool:
-    """Whether reactions carry the reference load alone, without using any strength."""
-    ray = locking_ray(program, contact)
-    if ray is not None and ray.proves:
-        return True
-    rows = program.contact
-    bare = replace(
-        program,
-        groups=tuple(group.times(0.0) for group in program.groups),
-        contact=replace(rows, limit=np.where(np.isinf(rows.limit), rows.limit, 0.0)),
-        dead_load=program.reference_load,
-    )
-    cones = replace(contact, bound=np.where(np.isinf(contact.bound), contact.bound, 0.0))
-    return prove_dead_loads(bare, cones, prepare, tolerance).equilibrium is not None
