@@ -54,8 +54,8 @@ class Kind(Enum):
 
     # Input
     DIMENSIONS = (
-        "{where!r} has a size of {size}, which does not fit {why}: are its coordinates in m? State"
-        " the unit of its file"
+        "{where!r} has a size of {size}, which is implausible for a material with {why}: state the"
+        " unit of its coordinates if they are not in m"
     )
     TABLE_SNAPPED = "the water table of {where} at {height} was moved to the vertices at {moved}"
     MESH_CHANGED = "the mesh of {where!r}: {text}"
