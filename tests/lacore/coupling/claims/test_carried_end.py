@@ -61,7 +61,7 @@ def test_slip_where_contact_sticks_raises_the_bound():
     sliding[0] = 1e-8  # of the only block, along the load
     moved = exact.point.velocity + sliding
     moved /= program.reference_load @ moved
-    slips = replace(exact, point=replace(exact.point, velocity=moved))
     own = -program.dead_load @ moved  # no joint dissipates: contact sticks or opens
+    slips = replace(exact, point=replace(exact.point, velocity=moved, load_factor=own))
     assert own < exact.point.load_factor * (1 - 1e-9)
     assert upper_bound(program, slips, TOLERANCE, laws) >= exact.point.load_factor * (1 - 1e-12)
