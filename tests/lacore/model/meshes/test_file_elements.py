@@ -214,6 +214,7 @@ def weighed(mesh, strength=1.0, weight=1.0):
         (1000.0, 1.0, 1.0, False),  # without units
         (1000.0, 20e3, 18e3, True),
         (1000.0, 20e3, 1.0, True),
+        (1000.0, 1.0, 18e3, True),
         (0.001, 20e3, 18e3, True),
         (0.001, 200e6, 1.0, False),  # a metal specimen
     ],
